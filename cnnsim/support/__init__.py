@@ -1,4 +1,4 @@
-"""What every folder needs: the array types of annotations, the error for wrong input, reports on files."""
+"""Common parts of both packages: array types, the error for wrong input, diagnostics of files."""
 
 from cnnsim.support.diagnostics import Diagnostics
 from cnnsim.support.errors import InputError, naming

@@ -1,4 +1,4 @@
-"""Folders for caches of code: written by this user alone, or a temporary one."""
+"""Folders for caches of compiled code: only this user can write them."""
 
 import atexit
 import os
@@ -11,42 +11,21 @@ from pathlib import Path
 
 from cnnsim.support.notices import Notices
 
-_GROUP_WRITES, _OTHERS_WRITE = 0o020, 0o002
+_OTHERS_WRITE = 0o022
 _PROBE = b"\0" * 8192
 """Written to see whether a folder can be used: on a full disk a file can be made, but not filled."""
 
 
-def is_private(path: Path) -> bool:
-    """Return whether a file or folder belongs to this user, and nobody else can write it.
-
-    Where users have groups of their own, new files can be written by the group: that is nobody else.
-    """
+def is_private(folder: Path) -> bool:
+    """Return whether a folder belongs to this user, and no group and no other user can write it."""
     if not hasattr(os, "geteuid"):  # systems without such owners
         return True
-    found = path.stat()
-    if found.st_uid != os.geteuid() or found.st_mode & _OTHERS_WRITE:
-        return False
-    return not found.st_mode & _GROUP_WRITES or _is_of_one(found.st_gid)
-
-
-def _is_of_one(group: int) -> bool:
-    """Return whether a group is this user's own: their first one, of their name, with no other member.
-
-    A group such as "users", the first one of many, lists no members either, so the name counts; as pam_umask has it,
-    root has no such group: containers under any user's number have root's.
-    """
-    import grp  # not on every system
-    import pwd
-
-    try:
-        user, of = pwd.getpwuid(os.geteuid()), grp.getgrgid(group)
-    except KeyError:
-        return False
-    return group != 0 and group == user.pw_gid and of.gr_name == user.pw_name and {*of.gr_mem} <= {user.pw_name}
+    found = folder.stat()
+    return found.st_uid == os.geteuid() and not found.st_mode & _OTHERS_WRITE
 
 
 def user_cache() -> Path:
-    """Return the folder in which a user's programs keep what can be made anew."""
+    """Return the folder for the caches of a user's programs."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA", "~")).expanduser()
     usual = "~/Library/Caches" if sys.platform == "darwin" else "~/.cache"
@@ -56,9 +35,9 @@ def user_cache() -> Path:
 
 
 def first_usable(candidates: Sequence[Path], what: str) -> Path:
-    """Return the first folder that can be used as a cache; a temporary one, with a word, if there is none.
+    """Return the first private folder that can be written; if there is none, a temporary one, with a notice.
 
-    A folder that others can write is not used: who can write it could have put code there.
+    Cached code in a folder that others can write could be theirs.
     """
     reasons = []
     for folder in candidates:

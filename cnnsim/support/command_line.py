@@ -1,4 +1,4 @@
-"""Plumbing of both command lines: errors as one line and exit code 2, Ctrl-C, progress bars, JSON, example calls."""
+"""Common parts of both command lines: errors as one line and exit code 2, Ctrl-C, progress bars, JSON, examples."""
 
 import json
 import os
@@ -15,14 +15,13 @@ from cnnsim.start import STOPPED, leave, raise_again
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import Replaced
 from cnnsim.support.interrupts import Stopping
-from cnnsim.support.notices import Notices, Told
+from cnnsim.support.notices import CompileNotice, Notices
 from cnnsim.support.progress import terminal_bar, watched_by
 from cnnsim.support.terminal import as_markup, console, drop_unwritten, echo, json_line, printable, take_any_text
 
 Item = TypeVar("Item")
 LONGEST = 3000
-"""Characters of a message, which may tell of twenty faults of a file."""
-
+"""Characters of a message, which may list twenty errors of a file."""
 
 _JSON = "cnnsim.support.command_line.json"
 
@@ -39,7 +38,7 @@ class _Mistake(click.ClickException):
 
 @contextmanager
 def _printable_mistakes() -> Iterator[None]:
-    """Keep control characters that were typed out of click's own messages, which quote them."""
+    """Replace control characters in click's messages, which quote arguments."""
     try:
         yield
     except click.ClickException as error:
@@ -48,10 +47,10 @@ def _printable_mistakes() -> Iterator[None]:
 
 
 class CommandGroup(click.Group):
-    """A click group that turns wrong input, and what the system refuses, into one line instead of a traceback."""
+    """A click group that reports wrong input and errors of the system as one line, without a traceback."""
 
     def main(self, *args: Any, **options: Any) -> Any:
-        """Run a command line, whatever its streams can write."""
+        """Run a command line."""
         take_any_text()
         try:
             return super().main(*args, **options)
@@ -67,13 +66,13 @@ class CommandGroup(click.Group):
             return super().make_context(*args, **options)
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Find the command; an empty argument, as of an unset variable of the shell, would name the folder one is in.
+        """Find the command.
 
         Raises:
-            InputError: an argument is empty, or stands for standard input.
+            InputError: an argument is empty, which would name the present folder, or "-".
         """
         ctx.meta[_JSON] = "--json" in args
-        Told.wanted = sys.stderr.isatty() or not ctx.meta[_JSON]
+        CompileNotice.wanted = sys.stderr.isatty() or not ctx.meta[_JSON]
         if "" in args:
             where = f"argument {args.index('')} of {args[0] or 'the command'}"
             raise InputError(f"{where} is empty; a value wanted (an unset variable of the shell?)")
@@ -84,20 +83,20 @@ class CommandGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; what it refuses is JSON on stdout as well where JSON was asked for."""
+        """Run the command; with --json an error is printed as JSON on stdout as well."""
         try:
             return self._invoked(ctx)
         except click.ClickException as error:
-            if ctx.meta.pop(_JSON, False):  # once, of groups in a group
-                with suppress(OSError):  # stdout may be what failed
+            if ctx.meta.pop(_JSON, False):  # once, for groups in a group
+                with suppress(OSError):  # stdout may have failed
                     echo(json_line({"error": " ".join(error.format_message().split())}))
             drop_unwritten()
             raise
 
     def _invoked(self, ctx: click.Context) -> Any:
-        os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait starve one another
+        os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # waiting threads that spin take the cores of others
         Replaced.tell = _tell_replaced
-        told_before, Notices.tell = Notices.tell, _tell
+        before, Notices.tell = Notices.tell, _tell
         Stopping.command_line = True
         try:
             raise_again()
@@ -107,23 +106,23 @@ class CommandGroup(click.Group):
             echo("stopped", err=True)
             if Stopping.foreign:
                 sys.stdout.flush()
-                _let_go()
+                _release_semaphores()
                 leave()
             ctx.exit(STOPPED)
         except InputError as error:
             raise _Mistake(str(error)) from error
         except OSError as error:
-            if error.errno == EPIPE:  # whoever read our output has gone: click leaves in silence
+            if error.errno == EPIPE:  # the reader of our output is gone: click exits without a message
                 raise
             raise _Mistake(_refused(error)) from error
         except (MemoryError, OverflowError, RecursionError) as error:
             raise _Mistake(f"too large: {str(error) or type(error).__name__}") from error
         finally:
-            Notices.tell = told_before
+            Notices.tell = before
 
 
-def _let_go() -> None:
-    """Let go of the semaphores of worker processes, as an orderly end does: their keeper tells of what is left."""
+def _release_semaphores() -> None:
+    """Release the semaphores of worker processes; else Python's resource tracker warns of them."""
     if (multiprocessing := sys.modules.get("multiprocessing.util")) is not None:
         multiprocessing._run_finalizers()
 
@@ -141,7 +140,7 @@ def _tell_replaced(path: Path) -> None:
 
 
 def watched(items: Iterable[Item], what: str, total: float | None = None) -> Iterable[Item]:
-    """Hand items on, with a bar on stderr that shows how far it is; only on a terminal."""
+    """Yield items, with a progress bar if stderr is a terminal."""
     return _tracked(items, what, total) if sys.stderr.isatty() else items
 
 
@@ -154,7 +153,7 @@ def _tracked(items: Iterable[Item], what: str, total: float | None) -> Iterator[
 
 @contextmanager
 def progress(what: str) -> Iterator[Any]:
-    """Give a function that goes through a list and shows how far it is, on stderr and only on a terminal."""
+    """Yield a function that iterates over a list, with a progress bar if stderr is a terminal."""
     from rich.progress import Progress  # slow to import, and only needed on a terminal
 
     shown = sys.stderr.isatty()
@@ -167,7 +166,7 @@ def progress(what: str) -> Iterator[Any]:
 
 
 def print_json(data: Any) -> None:
-    """Print plain data as JSON that any parser reads: NaN and infinities become null."""
+    """Print data as JSON; NaN and infinities become null."""
     echo(json.dumps(_plain(data), indent=1, allow_nan=False))
 
 
@@ -182,5 +181,5 @@ def _plain(data: Any) -> Any:
 
 
 def examples(*lines: str) -> str:
-    """Return an epilog that shows example calls as they are typed."""
+    """Return a click epilog with example calls."""
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)

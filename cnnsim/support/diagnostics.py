@@ -1,4 +1,4 @@
-"""Diagnostics of a file of another system: notes, warnings and errors, each with its line."""
+"""Diagnostics of an imported file: notes, warnings and errors, each with its line number."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -23,15 +23,15 @@ class Diagnostics:
     items: list[Diagnostic] = field(default_factory=list)
 
     def note(self, line: int | None, message: str) -> None:
-        """Add something harmless."""
+        """Add a harmless remark."""
         self.items.append(Diagnostic("note", line, message))
 
     def warning(self, line: int | None, message: str) -> None:
-        """Add something that should be checked."""
+        """Add a remark that should be checked."""
         self.items.append(Diagnostic("warning", line, message))
 
     def error(self, line: int | None, message: str) -> None:
-        """Add something that makes the content untrustworthy."""
+        """Add an error: the content cannot be trusted."""
         self.items.append(Diagnostic("error", line, message))
 
     def of(self, severity: Severity) -> list[Diagnostic]:

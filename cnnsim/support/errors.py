@@ -1,22 +1,22 @@
-"""InputError: the exception for whatever a user can get wrong."""
+"""InputError, the exception for wrong input, and the parts of its messages."""
 
 from collections.abc import Callable, Collection, Sequence
 from difflib import get_close_matches
 
 
 class InputError(ValueError):
-    """Something given from outside is wrong; the message says what was given and what was wanted.
+    """Wrong input: the message says what was found and what is wanted.
 
-    The command line prints it as one line on stderr and leaves with exit code 2.
+    Command lines print it as one line on stderr and exit with code 2.
     """
 
 
 class MissingKeyError(InputError):
-    """A key that a table of a file has to have is not there."""
+    """A required key of a table in a file is missing."""
 
 
 class SeveralFaultsError(InputError):
-    """Several things that are wrong, each an error of its own in ``faults``; the message tells them all."""
+    """Several errors of one file: ``faults`` has each, the message has all."""
 
     def __init__(self, text: str, faults: Sequence[InputError]) -> None:
         super().__init__(text)
@@ -24,7 +24,7 @@ class SeveralFaultsError(InputError):
 
 
 def reworded(error: InputError, words: Callable[[str], str]) -> InputError:
-    """Return an error with another message, of several faults each with another one."""
+    """Return an error of the same kind with its message, or each of its messages, changed by ``words``."""
     text = words(str(error))
     if isinstance(error, SeveralFaultsError):
         return SeveralFaultsError(text, [reworded(one, words) for one in error.faults])
@@ -32,21 +32,21 @@ def reworded(error: InputError, words: Callable[[str], str]) -> InputError:
 
 
 SHOWN = 120
-"""Characters of a value that a message shows: whole matrices and pictures would bury what is wanted."""
+"""Characters of a value in a message; a whole matrix would hide the rest."""
 
 
 def shown(value: object) -> str:
-    """Return a value as Python writes it, cut where it is long."""
+    """Return the repr of a value, cut to `SHOWN` characters."""
     return cut(repr(value))
 
 
 def cut(text: str) -> str:
-    """Return a text, cut where it is long."""
+    """Return a text, cut to `SHOWN` characters."""
     return text if len(text) <= SHOWN else text[:SHOWN] + " ..."
 
 
 class naming:  # noqa: N801 - it reads as a word after "with"; a generator would cost a step of a program a microsecond
-    """Lead the message of an InputError with the place where it arose."""
+    """Put ``where`` in front of the message of an InputError."""
 
     __slots__ = ("_where",)
 
@@ -61,18 +61,18 @@ class naming:  # noqa: N801 - it reads as a word after "with"; a generator would
 
 
 def not_known(what: str, given: object, known: Collection[str]) -> InputError:
-    """Return the error for a word that is not known; it has all that are, and the nearest."""
+    """Return the error for an unknown word; it lists the known ones and the nearest."""
     return InputError(f"{what} {shown(given)}; known are {', '.join(known)}{did_you_mean(given, known)}")
 
 
 def did_you_mean(given: object, known: Collection[str]) -> str:
-    """Return "; did you mean 'zero-flux'?", nothing where none is near."""
+    """Return "; did you mean 'zero-flux'?", or an empty text if no known word is similar."""
     near = nearest(given, known)
     return "" if near is None else f"; did you mean {near!r}?"
 
 
 def nearest(given: object, known: Collection[str]) -> str | None:
-    """Return the nearest word, None where none is near."""
+    """Return the most similar known word in any case of letters, or None."""
     words = {one.lower(): one for one in known}
     near = get_close_matches(given.lower(), words, 1) if isinstance(given, str) else []
     return words[near[0]] if near else None

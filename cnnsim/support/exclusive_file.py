@@ -1,4 +1,4 @@
-"""Files that grow while others look: made new, locked as long as they are open, put over another only on request."""
+"""Exclusive output files: created new, locked while open, and replacing an existing file only on request."""
 
 import os
 import secrets
@@ -11,9 +11,9 @@ from cnnsim.support.errors import InputError
 
 
 def lock(file: int, shared: bool = False) -> bool:
-    """Lock an open file against those who lock it too, for as long as it is open; return False where one of them has.
+    """Lock an open file until it is closed; return False if another program holds the lock.
 
-    A ``shared`` lock is kept by readers, several at a time. Systems and disks without locks always say yes.
+    Several readers may hold a ``shared`` lock. Systems and disks without locks always return True.
     """
     try:
         import fcntl
@@ -29,10 +29,10 @@ def lock(file: int, shared: bool = False) -> bool:
 
 
 def refuse_existing(path: Path, replace: bool = False) -> None:
-    """Refuse a name that is taken; where it may be replaced, one that is no plain file or is in use.
+    """Check that a file may be created, or replaced if ``replace`` is true.
 
     Raises:
-        InputError: so it is.
+        InputError: the name is taken; to be replaced is no plain file, or one that another program has locked.
     """
     if not os.path.lexists(path):
         return
@@ -47,7 +47,7 @@ def refuse_existing(path: Path, replace: bool = False) -> None:
 
 @contextmanager
 def open_shut(path: Path) -> Iterator[int]:
-    """Give the number of a file that is open for reading during the block."""
+    """Yield the descriptor of a file that is open for reading."""
     file = os.open(path, os.O_RDONLY)
     try:
         yield file
@@ -61,13 +61,13 @@ def name_beside(path: Path) -> Path:
 
 
 class NewFile:
-    """A file made for this program alone and locked until it is closed: its ``number``, open for writing.
+    """A new file, locked until it is closed; ``number`` is its descriptor, open for writing.
 
-    Where it is to replace another it stands beside that until `settle`.
+    If it replaces a file it has a temporary name in the same folder until `settle`.
 
     Raises:
         InputError: as `refuse_existing`.
-        OSError: it cannot be made.
+        OSError: it cannot be created.
     """
 
     def __init__(self, path: Path, replace: bool = False) -> None:
@@ -82,14 +82,14 @@ class NewFile:
         lock(self.number)
 
     def settle(self) -> None:
-        """Give it the name that it was asked for."""
+        """Rename the file to the path that was asked for."""
         if self._at != self._path:
             refuse_existing(self._path, replace=True)
             self._at.replace(self._path)
             self._at = self._path
 
     def discard(self) -> None:
-        """Close it and take it away, as if it had never been."""
+        """Close and delete the file."""
         os.close(self.number)
         with suppress(OSError):
             self._at.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Optional libraries: the line that installs an extra of this package where it is, checkout, wheel or neither."""
+"""Optional dependencies: the pip command that installs an extra, from a checkout, a wheel or an index."""
 
 import json
 import re
@@ -10,11 +10,11 @@ PACKAGE = "cellular-wave-touch"
 
 
 def install_line(extra: str) -> str:
-    """Return the command that installs an extra: of the checkout or wheel that this was installed from.
+    """Return the pip command that installs an extra of the checkout or wheel that this package was installed from.
 
-    Where it was not installed by pip, or from an index, the libraries are named one by one.
+    For a package from an index the command names the libraries.
     """
-    from importlib import metadata  # slow to import, and only wanted where a library is missing
+    from importlib import metadata  # slow to import, and only needed when a library is missing
 
     try:
         found = metadata.distribution(PACKAGE)

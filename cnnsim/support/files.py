@@ -1,4 +1,4 @@
-"""Files written whole or not at all: beside the target first, then renamed; what was replaced is told."""
+"""Output files, written under a temporary name and renamed when complete; checks of paths and names."""
 
 import csv
 import os
@@ -13,14 +13,14 @@ from cnnsim.support.errors import InputError, shown
 
 
 class Replaced:
-    """Who is told of files that were written over: nobody in Python, stderr where a command line sets ``tell``."""
+    """Callback for files that were overwritten; command lines set ``tell`` to print them on stderr."""
 
     tell: Callable[[Path], None] | None = None
 
 
 @contextmanager
 def telling_nobody() -> Iterator[None]:
-    """Tell nobody of files that are written over in a block: our own, brought up to date."""
+    """Report no overwritten files in a block, for files of our own that are updated."""
     tell, Replaced.tell = Replaced.tell, None
     try:
         yield
@@ -32,7 +32,7 @@ def named_file(path: Any) -> Path:
     """Return the path that a caller gave.
 
     Raises:
-        InputError: a number, an open file, or whatever else is no name.
+        InputError: it is no path, such as a number or an open file.
     """
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path {shown(path)}; the name of a file wanted")
@@ -41,14 +41,14 @@ def named_file(path: Any) -> Path:
 
 @contextmanager
 def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> Iterator[Path]:
-    """Give the path to write under; when the block ends well the file is renamed to ``path``, else it is gone.
+    """Yield a temporary path; it is renamed to ``path`` when the block succeeds, and removed when it fails.
 
-    It stands in a folder of its own beside the target, under the target's name: the ending decides the format. The
-    target's folders are made. A device or a pipe is written to as it is. A link is written through, unless not to
-    ``follow``: in a folder where names come from a file, it gives way to the file, wherever it points.
+    The temporary path has the name of ``path``, whose ending decides the format, in a new folder next to it. A device
+    or a pipe is written directly. A symbolic link is followed; without ``follow`` it is replaced, for folders in which
+    names come from a file.
 
     Raises:
-        InputError: no path; the file is there and not to be replaced, or cannot be written.
+        InputError: no path; the file exists and ``replace`` is false; it cannot be written.
     """
     target = named_file(path)
     check_free(target, replace=replace)
@@ -65,7 +65,7 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
             try:
                 yield beside
             except InputError as error:
-                said = str(error).replace(str(beside), str(path))  # people know only the name that they gave
+                said = str(error).replace(str(beside), str(path))  # users know only the name that they gave
                 if said != str(error):
                     raise InputError(said) from error
                 raise
@@ -81,10 +81,10 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
 
 
 def check_free(*paths: Path, replace: bool) -> None:
-    """Refuse before any work is done what `writing` would refuse after it.
+    """Check, before a long computation, that `writing` may write files.
 
     Raises:
-        InputError: some of the files are there and not to be replaced.
+        InputError: some of the files exist and ``replace`` is false.
     """
     there = [] if replace else [str(path) for path in paths if path.exists()]
     if there:
@@ -93,10 +93,10 @@ def check_free(*paths: Path, replace: bool) -> None:
 
 
 def check_place(*paths: Path | None) -> None:
-    """Refuse before any work is done files that `writing` could not write after it; None is none.
+    """Check, before a long computation, that `writing` can write files; None is skipped.
 
     Raises:
-        InputError: a folder has the name, there is no folder to write into, or it is closed.
+        InputError: a folder has the name; the parent folder is missing or not writable.
     """
     for path in paths:
         if path is None:
@@ -110,7 +110,7 @@ def check_place(*paths: Path | None) -> None:
 
 
 def check_folder(folder: Path) -> None:
-    """Refuse before any work is done a folder that `make_folder` could not make after it.
+    """Check, before a long computation, that `make_folder` can make a folder.
 
     Raises:
         InputError: something in the path is no folder.
@@ -123,7 +123,7 @@ def check_folder(folder: Path) -> None:
 
 
 def write_text(path: str | Path, text: str, *, replace: bool = True, follow: bool = True) -> None:
-    """Write a text file (UTF-8) as `writing` does, with the folders that lead to it.
+    """Write a text file (UTF-8) with `writing`, and make its parent folders.
 
     Raises:
         InputError: as `writing`.
@@ -134,7 +134,7 @@ def write_text(path: str | Path, text: str, *, replace: bool = True, follow: boo
 
 
 def write_rows(path: str | Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write a CSV file as `writing` does, a row each, under the names of the first one.
+    """Write a CSV file with `writing`; the keys of the first row are the columns.
 
     Raises:
         InputError: as `writing`.
@@ -146,7 +146,7 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder and those that lead to it.
+    """Make a folder and its parents.
 
     Raises:
         InputError: it cannot be made.
@@ -158,12 +158,12 @@ def make_folder(folder: Path) -> None:
 
 
 LONGEST_NAME = 100
-"""Characters of a name: with a folder's and a suffix it still is a file's name everywhere."""
+"""Characters of a name, so that it is a valid file name with a suffix on all systems."""
 _NAME = re.compile(rf"[A-Za-z0-9_][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}", re.ASCII)
 
 
 def check_name(name: str, what: str) -> str:
-    """Return a name.
+    """Return a name that files give and that becomes the name of a file.
 
     Raises:
         InputError: it has other characters than letters, digits, - and _, begins with -, is empty or too long.

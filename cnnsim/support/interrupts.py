@@ -1,7 +1,7 @@
-"""Ctrl-C while libraries compile: heard between two passes of a compiler, and by the second at once.
+"""Ctrl-C while a library compiles: handled between two passes of the compiler; a second one ends a command at once.
 
-numba's compiler calls back from LLVM. A KeyboardInterrupt that Python raises in there is lost, or leaves half a
-function behind; so while it compiles the signal is noted, and raised where the compiler is in Python's hands again.
+Numba's compiler calls back from LLVM. A KeyboardInterrupt that Python raises there is lost, or leaves a function half
+compiled. So the signal is recorded while numba compiles, and raised when the compiler is back in Python.
 """
 
 import signal
@@ -14,39 +14,39 @@ from cnnsim.start import leave
 
 
 class Stopping:
-    """What is known of a stop that somebody wants."""
+    """The interrupt that is pending, if any."""
 
     command_line = False
-    """Set by command lines, which a second Ctrl-C ends; a session in Python goes on."""
+    """Set by command lines: a second Ctrl-C ends them; a session in Python goes on."""
     foreign = 0
-    """Calls into libraries that go on in threads of their own and end the process badly if it ends before them."""
+    """Calls into libraries whose own threads crash the process if it ends before them."""
     _depth = 0
-    _heard = False
+    _pending = False
 
     @classmethod
     def compiling(cls, depth: int) -> None:
-        """Take that the main thread enters (1) or leaves (-1) the compiler, which it may do within itself."""
+        """Record that the main thread enters (1) or leaves (-1) the compiler; calls nest."""
         if threading.current_thread() is not threading.main_thread():
             return
         cls._depth += depth
         if depth > 0 and cls._depth == 1 and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, cls._hear)
-        elif cls._depth == 0 and signal.getsignal(signal.SIGINT) == cls._hear:
+            signal.signal(signal.SIGINT, cls._record)
+        elif cls._depth == 0 and signal.getsignal(signal.SIGINT) == cls._record:
             signal.signal(signal.SIGINT, signal.default_int_handler)
             cls.check()
 
     @classmethod
     def check(cls) -> None:
-        """Raise what was heard; called where nothing is half done."""
-        if cls._heard and threading.current_thread() is threading.main_thread():
-            cls._heard = False
+        """Raise the pending KeyboardInterrupt; called where nothing is half done."""
+        if cls._pending and threading.current_thread() is threading.main_thread():
+            cls._pending = False
             raise KeyboardInterrupt
 
     @classmethod
-    def _hear(cls, *_of: Any) -> None:
-        if cls._heard and cls.command_line:
+    def _record(cls, *_of: Any) -> None:
+        if cls._pending and cls.command_line:
             leave()
-        cls._heard = True
+        cls._pending = True
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def foreign_call() -> Iterator[None]:
 
 @contextmanager
 def held_back() -> Iterator[None]:
-    """Hold Ctrl-C back in a block that it must not cut in two, and raise it at the end."""
+    """Postpone Ctrl-C to the end of a block that must not be interrupted."""
     Stopping.compiling(1)
     try:
         yield
@@ -70,8 +70,8 @@ def held_back() -> Iterator[None]:
 
 
 def listen_to_numba() -> None:
-    """Have numba tell when it compiles."""
-    from numba.core import event  # slow to import, and there by now
+    """Register the interrupt handling with numba's compiler."""
+    from numba.core import event  # slow to import, and imported already
 
     class Lock(event.Listener):  # type: ignore[misc]  # numba says nothing of its types
         def on_start(self, _event: Any) -> None:

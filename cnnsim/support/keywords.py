@@ -1,4 +1,4 @@
-"""Keywords of public functions: one that is not known is an error that names the nearest, one that lacks is named."""
+"""Keyword arguments of public functions: an unknown one is an error that names the nearest known one."""
 
 import inspect
 from collections.abc import Callable
@@ -13,13 +13,13 @@ Made = TypeVar("Made")
 
 
 class KeywordError(InputError, TypeError):
-    """A keyword that a function does not have, or that lacks: a TypeError as Python's own, with the nearest keyword."""
+    """An unknown or missing keyword argument; a TypeError like Python's own."""
 
 
 def spelled(options: type[Any] | None = None) -> Callable[[Callable[Given, Returned]], Callable[Given, Returned]]:
-    """Make a function refuse unknown keywords, and calls without a needed one, with a `KeywordError`.
+    """Make a function raise `KeywordError` for unknown and missing keyword arguments.
 
-    ``options``: the TypedDict of its ``**``.
+    ``options`` is the TypedDict of the function's ``**`` argument.
     """
 
     def decorate(function: Callable[Given, Returned]) -> Callable[Given, Returned]:
@@ -47,13 +47,13 @@ def spelled(options: type[Any] | None = None) -> Callable[[Callable[Given, Retur
 
 
 def spelled_class(kind: type[Made]) -> type[Made]:
-    """Make a dataclass refuse unknown keywords as `spelled` does."""
+    """Make a dataclass raise `KeywordError` as `spelled` does."""
     kind.__init__ = spelled()(kind.__init__)  # type: ignore[method-assign]  # of the class itself, not of an instance
     return kind
 
 
 def unknown_keyword(function: str, given: set[str], known: list[str]) -> KeywordError:
-    """Return the error for keywords that are not known."""
+    """Return the error for unknown keywords."""
     found = []
     for name in sorted(given):
         near = nearest(name, known)

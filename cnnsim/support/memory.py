@@ -1,4 +1,4 @@
-"""Memory that is free now, measured, so that what does not fit is refused before the machine swaps."""
+"""Free memory of the machine, and the check that a computation fits into it."""
 
 import os
 from pathlib import Path
@@ -6,18 +6,18 @@ from pathlib import Path
 from cnnsim.support.errors import InputError
 
 VARIABLE = "CNNSIM_MEMORY"
-"""Environment variable with the bytes (or 8G, 500M) to use instead of what is measured."""
+"""Environment variable that sets the free memory in bytes (or 8G, 500M) instead of the measured one."""
 
 LARGE = 1 << 22
-"""Cells from which on it is worth asking what is free: below, a run takes less than a few hundred megabytes."""
+"""Cells from which on the free memory is checked: a smaller run takes less than a few hundred megabytes."""
 
 _UNITS = {"": 1, "K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 
 
 def free_memory() -> float:
-    """Return the bytes that can be used without swapping; infinity where the system does not tell.
+    """Return the bytes that can be used without swapping; infinity if the system does not report them.
 
-    The least of what the kernel says is available and of what the control groups of a container still allow.
+    That is the minimum of the kernel's MemAvailable and of what the control groups of a container still allow.
 
     Raises:
         InputError: the environment variable holds no size.
@@ -30,10 +30,10 @@ def free_memory() -> float:
 
 
 def check_memory(what: str, needed: float, cure: str) -> None:
-    """Refuse what needs more memory than is free.
+    """Check that ``needed`` bytes are free.
 
     Raises:
-        InputError: with what is needed, what is free, and the cure.
+        InputError: with the bytes needed, the bytes free, and what to do (``cure``).
     """
     free = free_memory()
     if needed > free:
@@ -44,7 +44,7 @@ def check_memory(what: str, needed: float, cure: str) -> None:
 
 
 def in_words(size: float) -> str:
-    """Return a size as people read it: 80 GB, 1.5 MB."""
+    """Return a number of bytes with a unit: 80 GB, 1.5 MB."""
     for unit in ("B", "kB", "MB", "GB", "TB"):
         if size < 1000 or unit == "TB":
             break
@@ -75,7 +75,7 @@ def _kernel() -> float:
 
 
 def _group(folder: Path) -> float:
-    """Return what a control group, of the second or of the first kind, still allows; files it caches can be dropped."""
+    """Return the bytes that a control group (version 2 or 1) still allows; its file cache counts as free."""
     for limit, usage in (("memory.max", "memory.current"), ("memory.limit_in_bytes", "memory.usage_in_bytes")):
         try:
             most, used = (folder / limit).read_text().strip(), int((folder / usage).read_text())

@@ -1,4 +1,4 @@
-"""Notices to users that are no errors: a Python warning, or one line on stderr of a command."""
+"""Notices to users: a Python warning, or one line on stderr of a command; among them that loops are being compiled."""
 
 import sys
 import warnings
@@ -7,25 +7,21 @@ from typing import Any
 
 
 class Notices:
-    """Who is told what the machine lacks, or what is odd in a file: stderr where a command sets ``tell``.
-
-    Else a Python warning.
-    """
+    """Where notices go: to ``tell``, which commands set to print on stderr, else to Python warnings."""
 
     tell: Callable[[str], None] | None = None
-    _told: set[str] = set()  # noqa: RUF012 - of the process, as all of this
+    _given: set[str] = set()  # noqa: RUF012 - of the process, as all of this
 
     @classmethod
     def once(cls, text: str) -> None:
-        """Tell something, once a process."""
-        if text in cls._told:
-            return
-        cls._told.add(text)
-        cls.say(text, RuntimeWarning)
+        """Give a notice once in a process."""
+        if text not in cls._given:
+            cls._given.add(text)
+            cls.say(text, RuntimeWarning)
 
     @classmethod
     def say(cls, text: str, kind: type[Warning] = UserWarning) -> None:
-        """Tell something; a Python warning points to the line of the user that called."""
+        """Give a notice; a Python warning points to the calling line of the user."""
         if cls.tell is None:
             warnings.warn(text, kind, stacklevel=users_level())
         else:
@@ -33,56 +29,42 @@ class Notices:
 
 
 def users_level() -> int:
-    """Return the ``stacklevel`` with which a warning of who calls this points to a line of the user.
-
-    Doors have decorators, and one door calls another: no number would be right for all.
-    """
+    """Return the ``stacklevel`` with which a warning of the caller points to the user's code, outside this package."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in ("cnnsim", "tactile"):
         level, frame = level + 1, frame.f_back
     return level
 
 
-class Notice:
-    """Listens to numba's compiler passes and calls ``say`` at the first: there is none for loops that are only loaded.
+class CompileNotice:
+    """Whether commands report that loops are being compiled.
 
-    It is the event that tells and not the time: on a busy machine loading takes seconds, too.
-    """
-
-    def __init__(self, say: Callable[[], None]) -> None:
-        self._say: Callable[[], None] | None = say
-
-    def on_start(self, _event: Any = None) -> None:
-        """A pass starts."""
-        say, self._say = self._say, None
-        if say is not None:
-            say()
-
-    def on_end(self, _event: Any = None) -> None:
-        """It has done."""
-
-
-class Told:
-    """Whether to say it: ``wanted`` is set by command lines, but of JSON only on a terminal.
-
-    Whoever reads JSON from a pipe may have both streams in one.
+    It is ``wanted`` unless a command prints JSON to a pipe, whose reader may have both streams in one.
     """
 
     wanted = False
 
 
 def announce(where: str) -> None:
-    """Say it when loops that are kept in ``where`` are compiled, if a command line has asked for it."""
-    if not Told.wanted:
+    """Print a notice on stderr, once, when numba compiles a loop; ``where`` is the cache folder.
+
+    Loading a loop from the cache runs no pass of numba's compiler.
+    """
+    if not CompileNotice.wanted:
         return
     from numba.core import event
 
-    def say() -> None:
-        from cnnsim.support.terminal import tell_process  # slow to import, and only needed where something compiles
+    class Listener(event.Listener):  # type: ignore[misc]  # numba says nothing of its types
+        given = False
 
-        tell_process(f"compiling loops, once, for a minute or so; kept in {where}")
+        def on_start(self, _event: Any) -> None:
+            from cnnsim.support.terminal import tell_process  # slow to import, and only needed where something compiles
 
-    class Listener(Notice, event.Listener):  # type: ignore[misc]  # numba says nothing of its types
-        pass
+            if not self.given:
+                self.given = True
+                tell_process(f"compiling loops, once, for a minute or so; kept in {where}")
 
-    event.register("numba:run_pass", Listener(say))
+        def on_end(self, _event: Any) -> None:
+            pass
+
+    event.register("numba:run_pass", Listener())

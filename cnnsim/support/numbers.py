@@ -1,4 +1,4 @@
-"""Numbers as foreign files write them, read strictly and written so that reading gives the same number."""
+"""Decimal numbers of text files: parsed strictly, and formatted so that parsing returns the same number."""
 
 import re
 
@@ -13,10 +13,10 @@ def is_number(word: str) -> bool:
 
 
 def number(word: str) -> float:
-    """Read one number.
+    """Parse one number.
 
     Raises:
-        InputError: the word is no number, or too large to be held.
+        InputError: the word is no number, or too large for a float.
     """
     if not is_number(word):
         hint = "; a decimal point is wanted, not a comma" if is_number(word.replace(",", ".", 1)) else ""
@@ -28,11 +28,11 @@ def number(word: str) -> float:
 
 
 def written(value: float) -> str:
-    """Return the shortest text that reads back as the same number, whole numbers without a point."""
+    """Return the shortest text that parses to the same number; whole numbers have no decimal point."""
     value = float(value)
     return str(int(value)) if value.is_integer() and abs(value) < 1e15 and str(value) != "-0.0" else repr(value)
 
 
 def whole(word: str) -> int | None:
-    """Return a short whole number without sign, or None if the word is none."""
+    """Return a whole number of at most 6 digits without sign, or None."""
     return int(word) if word.isascii() and word.isdigit() and len(word) <= 6 else None

@@ -1,4 +1,4 @@
-"""Progress of long work: computations tell whoever watches how far they are; a command line shows it on a terminal."""
+"""Progress of long computations: reported to a watcher, which a command line shows as a bar on a terminal."""
 
 import sys
 from collections.abc import Iterator
@@ -11,13 +11,13 @@ PATIENCE = 1.0
 
 
 class Watcher(Protocol):
-    """Whoever is told."""
+    """A callback for progress."""
 
     def __call__(self, share: float | None, text: str) -> None:
-        """Take the ``share`` of the work that is done, None where nobody knows how much there is, and a few words."""
+        """Report the ``share`` of the work that is done (None if the total is unknown), and a short text."""
 
     def over(self) -> None:
-        """Take that this piece of work is done."""
+        """Report that the work is done."""
 
 
 class _Watched:
@@ -25,13 +25,13 @@ class _Watched:
 
 
 def watcher() -> Watcher | None:
-    """Return whoever watches; None, so that nobody need write a text."""
+    """Return the present watcher, or None."""
     return _Watched.by
 
 
 @contextmanager
 def watched_by(new: Watcher | None) -> Iterator[None]:
-    """Let somebody watch, or with None nobody: where a longer list is counted on the same terminal."""
+    """Set the watcher in a block; None for no watcher, when another bar is on the same terminal."""
     before, _Watched.by = _Watched.by, new
     try:
         yield
@@ -42,7 +42,7 @@ def watched_by(new: Watcher | None) -> Iterator[None]:
 
 
 class TerminalBar:
-    """A bar on stderr with the time that has passed and the time left, once a command has taken `PATIENCE`."""
+    """A bar on stderr with elapsed and remaining time, shown once a command has taken `PATIENCE` seconds."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
         self._bar: Any = None
@@ -70,7 +70,7 @@ class TerminalBar:
 
 
 def _bar() -> Any:
-    from rich.progress import (  # slow to import, and only wanted for long work
+    from rich.progress import (  # slow to import, and only needed for long work
         BarColumn,
         Progress,
         TextColumn,
@@ -85,5 +85,5 @@ def _bar() -> Any:
 
 
 def terminal_bar() -> Watcher | None:
-    """Return a bar where stderr is a terminal, else None."""
+    """Return a bar if stderr is a terminal, else None."""
     return TerminalBar() if sys.stderr.isatty() else None

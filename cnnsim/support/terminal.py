@@ -1,4 +1,4 @@
-"""Texts of files and command lines printed on a terminal: nothing in them moves its cursor, colours it or is markup."""
+"""Output on a terminal, without control characters: lines, wrapped tables, JSON and the console of rich."""
 
 import json
 import os
@@ -19,45 +19,45 @@ if TYPE_CHECKING:
 
 _CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f"  # C0 without tab and line feed, delete, C1
-    "\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069"  # what turns the direction of the text after it, line separators
-    "\ud800-\udfff]"  # bytes of a file's name that are no UTF-8
+    "\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069"  # direction marks and line separators
+    "\ud800-\udfff]"  # bytes of a file name that are not UTF-8
 )
 
 
 NARROWEST = 40
-"""Columns to which lines are wrapped on any narrower terminal."""
+"""Columns to which lines are wrapped at least, also on a narrower terminal."""
 
 
 def printable(text: object) -> str:
-    """Return a text with a question mark in the place of every control character; tabs and line feeds stay."""
+    """Return a text with every control character replaced by a question mark; tabs and line feeds stay."""
     return _CONTROL.sub("?", str(text))
 
 
 def json_line(data: Any) -> str:
-    """Return plain data as JSON on one line, letters as they are and all control characters escaped."""
+    """Return data as JSON on one line with all control characters escaped."""
     line = json.dumps(data, ensure_ascii=False, allow_nan=False)
     return _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", line)
 
 
 def as_markup(text: object) -> str:
-    """Return the rich markup that shows a text as it is, for the few places of rich that take nothing else."""
+    """Return the rich markup that shows a text literally."""
     from rich.markup import escape  # slow to import, and only needed on a terminal
 
     return escape(printable(text))
 
 
 def take_any_text() -> None:
-    """Let stdout and stderr take any text: one that is closed leads nowhere, letters it cannot write become ?."""
+    """Make stdout and stderr accept any text: a closed stream discards it, characters it cannot encode become ?."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - open to the end
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - open until the process ends
         elif isinstance(stream, TextIOWrapper) and not stream.encoding.lower().startswith("utf"):
             stream.reconfigure(errors="replace")
 
 
 def drop_unwritten() -> None:
-    """Lead stdout nowhere if it cannot write what it holds: it would fail once more where the process ends."""
+    """Discard the buffer of stdout if it cannot be written; else it would fail again when the process ends."""
     try:
         sys.stdout.flush()
     except OSError:
@@ -65,20 +65,20 @@ def drop_unwritten() -> None:
 
 
 def echo(text: object = "", *, err: bool = False, over: bool = False) -> None:
-    """Print a text on stdout, or stderr; ``over`` replaces the line that the cursor is on, and stays on it."""
+    """Print a text on stdout or, with ``err``, on stderr; ``over`` overwrites the present line."""
     click.echo(f"\r{printable(text)} " if over else printable(text), err=err, nl=not over)
 
 
 def tell_process(text: object) -> None:
-    """Print a dim line on the stderr that the process began with, whatever stands in its place; it may have gone."""
+    """Print a dim line on the original stderr of the process, which may be closed."""
     with suppress(OSError):
         click.echo(click.style(printable(text), dim=True), file=sys.__stderr__ or sys.stderr)
 
 
 def console(width: int = 150, *, err: bool = False) -> "Console":
-    """Return the console of tables and bars: as wide as the terminal, or ``width`` where the output is no terminal.
+    """Return a rich console as wide as the terminal, or ``width`` columns if the output is no terminal.
 
-    Texts are shown as they are, without control characters; `rich.text.Text` gives them a style.
+    Texts are shown literally, without control characters; `rich.text.Text` gives them a style.
     """
     from rich.console import Console  # slow to import, and only needed on a terminal
 
@@ -91,10 +91,10 @@ def console(width: int = 150, *, err: bool = False) -> "Console":
 
 
 def hanging(head: str, text: str, indent: int) -> str:
-    """Return a text beside ``head``, its further lines ``indent`` columns in, wrapped to the width of the terminal.
+    """Return a text to the right of ``head``, wrapped to the terminal, with its further lines indented.
 
-    A head that leaves no room for the text, or less than half of a narrow terminal, has a line of its own. Paths and
-    long words are not broken.
+    A head longer than ``indent``, or an indent of more than half of the terminal, puts the head on a line of its own.
+    Paths and long words are not broken.
     """
     narrow = bool(head) and indent > _width() // 2
     indent = 4 if narrow else indent
@@ -110,7 +110,7 @@ def _width() -> int:
 
 
 def say(line: str, indent: int = 2, *, err: bool = False) -> None:
-    """Print a line, wrapped to the width of the terminal, what follows ``indent`` columns in."""
+    """Print a line, wrapped to the width of the terminal, with its further lines indented."""
     lines = wrap(line, _width(), subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
     echo("\n".join(lines), err=err)
 

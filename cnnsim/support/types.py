@@ -1,4 +1,4 @@
-"""The array types of annotations, named once."""
+"""Array types for annotations."""
 
 from typing import Any
 

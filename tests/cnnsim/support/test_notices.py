@@ -1,4 +1,4 @@
-"""A newcomer's first run compiles for a minute: stderr says so once, a pipe with JSON hears nothing."""
+"""A newcomer's first run compiles for a minute: stderr says so once, unless JSON goes to a pipe."""
 
 import os
 import pty
@@ -10,20 +10,9 @@ import numpy as np
 import pytest
 
 from cnnsim import write_picture
-from cnnsim.support.notices import Notice
 
 
-def test_it_is_said_once_and_only_when_something_is_compiled() -> None:
-    said: list[str] = []
-    notice = Notice(lambda: said.append("compiling"))
-    assert not said
-    for _ in range(3):
-        for event in (notice.on_start, notice.on_start, notice.on_end, notice.on_end):  # passes run passes
-            event()
-    assert said == ["compiling"]
-
-
-def test_a_terminal_is_told_where_the_loops_are_kept(tmp_path: Path) -> None:
+def test_a_terminal_shows_where_the_loops_are_kept_and_a_pipe_of_json_nothing(tmp_path: Path) -> None:
     write_picture(np.eye(20), tmp_path / "in.png")  # few cells: loops on several threads take twice as long to compile
     command = [
         sys.executable,
@@ -46,7 +35,7 @@ def test_a_terminal_is_told_where_the_loops_are_kept(tmp_path: Path) -> None:
     with pytest.raises(BlockingIOError):  # nothing was said
         os.read(ours, 10_000)
     assert again.stdout == ran.stdout
-    (kept,) = (tmp_path / "cache").glob("*.closed_form.*.loop")
+    (kept,) = (tmp_path / "cache").glob("*.closed_form-*.nbc")
     kept.unlink()
     piped = subprocess.run(command, env=where, capture_output=True, check=True)  # compiles one anew, into pipes
     assert piped.stderr == b""
