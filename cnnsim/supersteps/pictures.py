@@ -11,7 +11,7 @@ from cnnsim.support import Array, InputError
 from cnnsim.support.array_files import mapped_array
 from cnnsim.support.limits import one_line
 from cnnsim.support.pictures.arrays import CNN_VALUES, check_array_levels, cnn_values
-from cnnsim.support.pictures.picture import check_size, check_whole_file, opened, pictures_in
+from cnnsim.support.pictures.picture import check_size, opened, pictures_in
 from cnnsim.support.pictures.pixels import (
     Levels,
     check_labels,
@@ -107,7 +107,6 @@ def _picture(path: Path, *, binary: bool, levels: Levels | None) -> TiledPicture
         rows, cols = upright_size(image)
         if pictures_in(image) > 1:
             raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted")
-        check_whole_file(image, str(path))
         if image.format in IN_STRIPS and rows * cols > WHOLE:
             strips = FileRows(path, levels)
             return TiledPicture(strips, binary=binary, between=strips.levels, name=str(path))

@@ -32,7 +32,7 @@ def read_array(path: Path, what: str = "an array of NumPy") -> Array:
 
 
 def mapped_array(path: Path, what: str = "an array of NumPy") -> Array:
-    """Return the array of an .npy file as it lies there, read where it is looked at.
+    """Return the array of an .npy file, mapped into memory.
 
     Raises:
         InputError: as `read_array`.
@@ -50,11 +50,11 @@ def mapped_array(path: Path, what: str = "an array of NumPy") -> Array:
 
 @contextmanager
 def open_npz(path: Path, what: str) -> Iterator["np.lib.npyio.NpzFile"]:
-    """Open an NPZ file as ``what``, "texture model" for example, and close it after use.
+    """Open an NPZ file; ``what`` names its content in messages, such as "texture model".
 
     Raises:
-        InputError: no such file, no NPZ file, one that unpacks out of all proportion, an array larger than its file or
-            the memory, or whatever goes wrong inside.
+        InputError: no such file, no NPZ file, one that fails `check_unpacked`, an array larger than
+            its file or the memory; also raised for errors inside the block.
     """
     with one_line(path, f"{what} in NPZ"):
         check_file(path, what, sys.maxsize)
@@ -63,13 +63,13 @@ def open_npz(path: Path, what: str) -> Iterator["np.lib.npyio.NpzFile"]:
             for member in archive.infolist():
                 with archive.open(member) as head:
                     check_head(head, member.file_size, f"{path}, array {member.filename.removesuffix('.npy')}")
-        # opened here, since NumPy leaves a file open that turns out to be no archive
+        # opened here: NumPy leaves a file open that is no archive
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             yield file
 
 
 def read_npz_arrays(path: Path, what: str, names: Iterable[str]) -> dict[str, Array]:
-    """Return those arrays of an NPZ file that are there, by name.
+    """Return the arrays of an NPZ file with these names, those that exist.
 
     Raises:
         InputError: as `open_npz`, or a member that is no array.
@@ -77,7 +77,7 @@ def read_npz_arrays(path: Path, what: str, names: Iterable[str]) -> dict[str, Ar
     with open_npz(path, what) as file:
         found = {name: file[name] for name in names if name in file.files}
         for name, one in found.items():
-            if not isinstance(one, np.ndarray):  # NumPy gives out bytes of what does not begin as an array
+            if not isinstance(one, np.ndarray):  # NumPy returns bytes for a member that is no array
                 raise ValueError(f"{name} is no array")
     return found
 
@@ -85,22 +85,21 @@ def read_npz_arrays(path: Path, what: str, names: Iterable[str]) -> dict[str, Ar
 _READERS: dict[tuple[int, int], Callable[..., Any]] = {
     (1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0, (3, 0): npy.read_array_header_2_0,
 }  # fmt: skip
-"""Readers of heads by version; the third has the second's layout."""
+"""Readers of headers by version of the format."""
 
 
 def check_head(file: IO[bytes], there: int, name: str, *, mapped: bool = False) -> None:
-    """Refuse an array whose head says more than the ``there`` bytes of its file hold, or than the memory does.
+    """Check that an array fits into the ``there`` bytes of its file and, unless ``mapped``, into memory.
 
-    ``file`` is at its begin, ``name`` what messages call it; an array that is ``mapped`` takes no memory. What is no
-    head is left for NumPy to refuse.
+    ``file`` is at its start; ``name`` is for messages. NumPy reports a broken header when it reads the array.
 
     Raises:
-        InputError: with both sizes, and what to do.
+        InputError: with both sizes.
     """
     try:
         shape, _, dtype = _READERS[npy.read_magic(file)](file)
         pixels = math.prod(int(n) for n in shape)
-    except Exception:  # whatever goes wrong in a head of a broken file: NumPy says it when it reads the numbers
+    except Exception:  # a broken header
         return
     if dtype.hasobject or pixels < 0:
         return

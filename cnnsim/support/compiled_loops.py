@@ -159,7 +159,7 @@ def kept_cfunc(signature: Any, **options: Any) -> Callable[[Any], Any]:
     """Compile like `numba.cfunc` with these options, cached on disk."""
 
     def wrapped(function: Any) -> Any:
-        compiled = CFunc(function, sigutils.normalize_signature(signature), locals={}, options=options)
+        compiled: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options=options)
         compiled._cache = _Cache(function, {"at": str(signature), **options})
         compiled.compile()
         return compiled

@@ -1,7 +1,7 @@
-"""Arrays of NumPy files (.npy, .npz) read as pictures: booleans, grey levels, colours, or CNN values."""
+"""Pictures in NumPy files (.npy, .npz): arrays of booleans, grey levels, colours or CNN values."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +18,14 @@ SIXTEEN_BITS: Levels = (0.0, 65535.0)
 """Levels of whole numbers of 16 bits."""
 CNN_VALUES: Levels = (1.0, -1.0)
 """Levels of floats."""
-_BLOCK, _BLOCKS = 1 << 20, 512
-"""Numbers that are looked at before the next are read, and how often at most: of arrays on the disk that are larger
-than that, blocks spread over all of them."""
+_BLOCK = 1 << 20
+"""Numbers that are read at a time, at least a row."""
 
 
 def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
-    """Return the planes (rows, cols) or (n, rows, cols) of an .npy or .npz file, of the latter ``key`` or the only one.
+    """Return the planes of an .npy file, or of the array ``key`` (or the only one) of an .npz file, as a sequence.
+
+    An array is (rows, cols) or (n, rows, cols), of colours (..., 3 or 4).
 
     Booleans: True is black; whole numbers of 8 or 16 bits: grey levels; floats from -1 to 1: CNN values.
 
@@ -61,8 +62,8 @@ def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
 def check_array_levels(values: Any, name: str) -> None:
     """Refuse whole numbers that are only 0 and 1: grey levels, CNN values and labels look alike then.
 
-    So do zeros alone, but for bytes and 16 bits without a sign: they are grey levels, and that is black. Parts are read
-    up to the first other number.
+    Zeros alone are refused except in unsigned numbers of 8 or 16 bits, where they are black grey levels. A stored array
+    is read in blocks up to the first other number.
 
     Raises:
         InputError: so they are.
@@ -70,27 +71,14 @@ def check_array_levels(values: Any, name: str) -> None:
     if values.dtype.kind not in "iu" or not values.ndim or 0 in values.shape:
         return
     found: set[int] = set()
-    for part in _parts(values):
+    rows = max(1, _BLOCK // math.prod(values.shape[1:]))
+    for first in range(0, values.shape[0], rows):
+        part = np.asarray(values[first : first + rows])
         found |= {int(part.min()), int(part.max())}
         if not found <= {0, 1}:
             return
     if found == {0, 1} or (found == {0} and values.dtype not in (np.uint8, np.uint16)):
         raise labels_error(name, zeros=found == {0})
-
-
-def _parts(values: Any) -> Iterator[Array]:
-    """Yield an array part by part: chunks as they are stored, else blocks of rows."""
-    chunks = getattr(values, "chunks", None) or (max(1, _BLOCK // math.prod(values.shape[1:])), *values.shape[1:])
-    counts = [-(-size // chunk) for size, chunk in zip(values.shape, chunks, strict=True)]
-    total = math.prod(counts)
-    for number in range(min(total, _BLOCKS)):
-        at, rest = [], number * total // min(total, _BLOCKS)
-        for count in reversed(counts):
-            rest, place = divmod(rest, count)
-            at.append(place)
-        yield np.asarray(
-            values[tuple(slice(k * size, (k + 1) * size) for k, size in zip(at[::-1], chunks, strict=True))]
-        )
 
 
 def cnn_values(values: Array, name: str) -> Levels:
@@ -123,6 +111,6 @@ def _loaded(path: Path, key: str) -> Array:
             wanted = f"one called {key!r}, or a single one," if key else "a single one"
             raise InputError(f"{path} holds the arrays {', '.join(found.files)}; {wanted} wanted")
         array = found[key if key in found else found.files[0]]
-        if not isinstance(array, np.ndarray):  # NumPy gives out bytes of what does not begin as an array
+        if not isinstance(array, np.ndarray):  # NumPy returns bytes for a member that is no array
             raise ValueError(f"{key if key in found else found.files[0]} is no array")
         return array

@@ -1,4 +1,4 @@
-"""Films of CNN values over time: an animated GIF, or a video (MP4 and others, by PyAV), written picture by picture."""
+"""Films of CNN values over time, written picture by picture: animated GIF, or video (MP4 and others, with PyAV)."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -17,9 +17,9 @@ from cnnsim.support.types import Array
 
 _CODECS = {".mp4": "libx264", ".mkv": "libx264", ".mov": "libx264", ".avi": "mpeg4"}
 VIDEO_ENDINGS = (*_CODECS, ".webm", ".m4v", ".mpg", ".mpeg", ".ogv", ".wmv", ".flv", ".ts", ".y4m")
-"""Names of videos that PyAV reads; it writes the first of them."""
+"""Endings of videos that PyAV reads; those of `_CODECS` are written as well."""
 FILM_ENDINGS = (".gif", *_CODECS)
-"""Names of films that can be written."""
+"""Endings of films that can be written."""
 _WIDE = 256
 """Pixels to which a small picture is enlarged."""
 STRIP = 16
@@ -27,7 +27,7 @@ STRIP = 16
 BETWEEN = 3
 """Pixels between layers."""
 _PAUSE = 1000
-"""Milliseconds for which the last picture of a GIF stands before it begins anew."""
+"""Milliseconds for which a GIF shows its last picture before it repeats."""
 
 
 class AddPicture(Protocol):
@@ -36,21 +36,20 @@ class AddPicture(Protocol):
     def __call__(self, values: Array, caption: str = "") -> None:
         """Add CNN values (rows, cols), or of layers (layers, rows, cols).
 
-        A ``caption`` stands in a white strip below the cells, in all pictures or in none.
+        A ``caption`` is in a white strip below the cells, in all pictures of a film or in none.
         """
 
 
 def is_film(path: str | Path) -> bool:
-    """Return whether a name is that of a film that can be written."""
+    """Return whether a path has the ending of a film that can be written."""
     return Path(path).suffix.lower() in FILM_ENDINGS
 
 
 @contextmanager
 def filming(path: str | Path, rate: float) -> Iterator[AddPicture]:
-    """Give a function that adds a picture (rows, cols) of CNN values to a film of ``rate`` pictures a second.
+    """Yield a function that adds a picture (rows, cols) of CNN values to a film of ``rate`` pictures a second.
 
-    Small pictures are enlarged, layers side by side and numbered. A GIF shows equal pictures that follow one another
-    as one that stands longer.
+    Small pictures are enlarged; layers are side by side and numbered.
 
     Raises:
         InputError: an ending of no film, a video without PyAV, or the file cannot be written.
@@ -58,7 +57,7 @@ def filming(path: str | Path, rate: float) -> Iterator[AddPicture]:
     if not is_film(path):
         raise InputError(f"cannot write {path}: a film is one of {', '.join(FILM_ENDINGS)}")
     if Path(path).suffix.lower() != ".gif":
-        video_library(path)  # said of the user's path, before one of our own is made
+        video_library(path)  # so that the error has the user's path
     with writing(path) as beside:
         yield from (_gif if beside.suffix.lower() == ".gif" else _video)(beside, rate)
 
@@ -125,10 +124,7 @@ def _video(path: Path, rate: float) -> Iterator[AddPicture]:
 
 
 def _drawn(values: Array, caption: str) -> Image.Image:
-    """Return a picture, enlarged if it is small, with lines of text below it, outside of the cells.
-
-    Layers (layers, rows, cols) lie side by side, a double line between them, each over its number.
-    """
+    """Return a picture, enlarged if it is small, with a caption below; layers are side by side and numbered."""
     scale = max(1, _WIDE // max(values.shape))
     if values.ndim == 2:
         return _lettered(to_image(values, scale), caption)
@@ -139,13 +135,13 @@ def _drawn(values: Array, caption: str) -> Image.Image:
     for number, layer in enumerate(layers):
         left = number * (width + BETWEEN)
         whole.paste(layer, (left, 0))
-        if number:  # dark between light lines is seen beside any grey
+        if number:  # a dark line between light ones is visible next to any grey
             draw.line((left - BETWEEN // 2 - 1, 0, left - BETWEEN // 2 - 1, height), fill=0)
     return _lettered(whole, caption)
 
 
 def _lettered(image: Image.Image, text: str) -> Image.Image:
-    """Return a picture with a line of text in a white strip below it; as it is without a text."""
+    """Return a picture with a line of text, if any, in a white strip below it."""
     if not text:
         return image
     width = max(image.width, 8 * len(text))

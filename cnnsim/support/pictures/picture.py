@@ -1,10 +1,9 @@
-"""Picture files read and written as CNN values, and pictures drawn in text."""
+"""Picture files read and written as CNN values, and pictures as text."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from cnnsim.support.files import named_file, writing
 from cnnsim.support.keywords import spelled
 from cnnsim.support.limits import check_plain, reason
 from cnnsim.support.memory import check_memory
-from cnnsim.support.pictures.pixels import Levels, check_labels, check_reading, least_bytes, pixel_bytes, values_of
+from cnnsim.support.pictures.pixels import Levels, check_labels, check_reading, pixel_bytes, values_of
 from cnnsim.support.pictures.upright import read_through, upright_size
 from cnnsim.support.types import Array, Floats
 from cnnsim.support.values import as_numbers, is_whole, largest
@@ -23,9 +22,9 @@ from cnnsim.support.values import as_numbers, is_whole, largest
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""
 _MORE_THAN_PICTURES = {"MPO", "PSD"}
-"""Formats whose further frames are no pictures of a sequence: a camera's previews, the layers of a drawing."""
+"""Formats whose further frames are no sequence: previews of a camera, layers of a drawing."""
 _LINE, _LINE_COLOUR = 3, (230, 120, 40)
-"""Width [pixels] and colour of the line between planes: no grey level, so that it is no column of cells."""
+"""Width [pixels] and colour of the line between planes, which no cell has."""
 _TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more memory"
 
 
@@ -53,15 +52,15 @@ def read_picture(
 
 @contextmanager
 def opened(path: str | Path) -> Iterator[Image.Image]:
-    """Open a picture file of any size; nothing but its head is read as yet.
+    """Open a picture file of any size and read its header.
 
     Raises:
-        InputError: the file is missing or no picture, also where that shows only later.
+        InputError: the file is missing or no picture; also raised for errors inside the block.
     """
     named = named_file(path)
     try:
         check_plain(named, "picture")
-        with _AnySize(), Image.open(path) as image:
+        with _any_size(), Image.open(path) as image:
             read_through(image)
             yield image
     except InputError:
@@ -69,67 +68,35 @@ def opened(path: str | Path) -> Iterator[Image.Image]:
     except FileNotFoundError as error:
         raise InputError(f"no picture {path}") from error
     except MemoryError as error:
-        raise InputError(f"{path}: no memory for what it says it holds; a smaller or a whole one wanted") from error
-    except (
-        Exception
-    ) as error:  # Pillow's decoders let through whatever goes wrong inside: AssertionError, TypeError ...
+        raise InputError(f"{path}: not enough memory; a smaller or a complete picture wanted") from error
+    except Exception as error:  # Pillow's decoders raise AssertionError, TypeError and others for broken files
         raise InputError(f"{path} is no picture that Pillow can read: {reason(error)}") from error
 
 
 def pictures_in(image: Image.Image) -> int:
-    """Return how many pictures follow one another in a file."""
+    """Return the number of pictures in a file."""
     return 1 if image.format in _MORE_THAN_PICTURES else int(getattr(image, "n_frames", 1))
 
 
 def check_size(image: Image.Image, name: str, cell_bytes: int) -> None:
-    """Refuse a picture that does not fit into the memory that is free, before its pixels are read.
-
-    Or that cannot be in the file, however well it is packed; ``name`` is its path.
+    """Check, before its pixels are read, that a picture fits into the free memory; ``name`` is its path.
 
     Raises:
-        InputError: both sizes, and what to do.
+        InputError: with both sizes.
     """
-    check_whole_file(image, name)
     rows, cols = upright_size(image)
     what = f"{name}: reading {rows} x {cols} pixels"
     check_memory(what, rows * cols * (pixel_bytes(image.mode) + cell_bytes), _TOO_LARGE)
 
 
-def check_whole_file(image: Image.Image, name: str) -> None:
-    """Refuse a picture whose pixels cannot be in the file, however well it is packed; ``name`` is its path.
-
-    Raises:
-        InputError: both sizes.
-    """
-    rows, cols = upright_size(image)
-    least, there = least_bytes(image), Path(name).stat().st_size
-    if there < least:
-        raise InputError(
-            f"{name}: {there} bytes that say they are {rows} x {cols} pixels, which take {least:.0f} at least; a whole "
-            "file wanted"
-        )
-
-
-class _AnySize:
-    """Sets Pillow's own limit aside while pictures are read, in whatever thread; `check_size` takes its place.
-
-    That limit is a number for all machines: it knows nothing of the memory that is free.
-    """
-
-    _lock, _open = Lock(), 0
-    _usual: int | None = None
-
-    def __enter__(self) -> None:
-        with _AnySize._lock:
-            if not _AnySize._open:
-                _AnySize._usual, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
-            _AnySize._open += 1
-
-    def __exit__(self, *_: object) -> None:
-        with _AnySize._lock:
-            _AnySize._open -= 1
-            if not _AnySize._open:
-                Image.MAX_IMAGE_PIXELS = _AnySize._usual
+@contextmanager
+def _any_size() -> Iterator[None]:
+    """Switch off Pillow's own limit of pixels, which knows nothing of the free memory; `check_size` replaces it."""
+    usual, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+    try:
+        yield
+    finally:
+        Image.MAX_IMAGE_PIXELS = usual
 
 
 def to_image(values: Array, scale: int = 1) -> Image.Image:
@@ -139,15 +106,15 @@ def to_image(values: Array, scale: int = 1) -> Image.Image:
     """
     values = np.concatenate(list(values), axis=1) if values.ndim == 3 else values
     grey = np.empty(values.shape, np.uint8)
-    for row, out in zip(values, grey, strict=True):  # row by row: a whole plane in between would cost memory
+    for row, out in zip(values, grey, strict=True):  # row by row: a temporary plane would cost memory
         out[:] = np.where(row, 0, 255) if row.dtype == bool else np.rint((1.0 - np.clip(row, -1, 1)) * 127.5)
     return Image.fromarray(grey if scale == 1 else np.kron(grey, np.ones((scale, scale), dtype=np.uint8)))
 
 
 def to_png(values: Array, least: int = 192) -> bytes:
-    """Return CNN values (..., rows, cols) as a PNG file, cells large enough that the picture has ``least`` pixels.
+    """Return CNN values (..., rows, cols) as a PNG file that is at least ``least`` pixels wide or high.
 
-    Of several planes each stands for itself, a coloured line between it and the next.
+    Several planes are side by side with a coloured line between them.
     """
     rows, cols = values.shape[-2:]
     scale = max(1, least // max(rows, cols))
@@ -165,10 +132,10 @@ def to_png(values: Array, least: int = 192) -> bytes:
 
 @spelled()
 def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bool = True) -> None:
-    """Write CNN values as a picture; the format follows the name's ending, ``follow`` as in `writing`.
+    """Write CNN values as a picture; the name's ending is the format, ``follow`` as in `writing`.
 
     Raises:
-        InputError: Pillow does not know the ending, or the file cannot be written; values that are no CNN values.
+        InputError: an ending that Pillow does not know, a file that cannot be written, values that are not CNN values.
     """
     if not is_whole(scale) or scale < 1:
         raise InputError(f"scale {scale!r}; a whole number of pixels a cell, at least 1, wanted")
@@ -187,7 +154,7 @@ def _cell(value: float) -> float:
 
 
 def parse_ascii(rows: Iterable[str | Sequence[float]]) -> Floats:
-    """Read a picture drawn in text: ``#`` is +1, ``.`` is -1; a row of numbers stands for itself, true is black.
+    """Parse a picture in text: ``#`` is +1, ``.`` is -1; a row may also be a list of numbers, where True is black.
 
     Raises:
         InputError: another character, something that is no number, or rows of different length.
@@ -215,7 +182,7 @@ def parse_ascii(rows: Iterable[str | Sequence[float]]) -> Floats:
 
 
 def to_ascii(values: Array) -> list[str]:
-    """Draw CNN values as text, one string a row, from ``.`` (white) to ``#`` (black)."""
+    """Return CNN values as text, one string per row, from ``.`` (white) to ``#`` (black)."""
     values = np.where(values, 1.0, -1.0) if values.dtype == bool else np.clip(values, -1, 1)
     level = np.rint((values + 1) / 2 * (len(_RAMP) - 1)).astype(int)
     return ["".join(_RAMP[cell] for cell in row) for row in level]

@@ -1,10 +1,10 @@
-"""Pixels of a picture file turned into CNN values, a rule for every kind: bits, palette, colours, 16 bits, floats.
+"""Conversion of the pixels of a picture file to CNN values, by kind: bits, palette, colours, 16 bits, floats.
 
 * 1 bit, 8 bit grey, palette, RGB, CMYK and the like: their grey level of 0 (black) to 255 (white);
 * with transparency: over white;
 * 16 bit grey: 0 to 65535 (a TIFF of 12 bits: 0 to 4095);
 * floats: 0 (black) to 1 (white) if they lie in [0, 1]; CNN values, black 1, if they lie in [-1, 1];
-* ``levels`` (black, white), where given, say it for pictures in grey; without, what has no range is refused.
+* ``levels`` (black, white), if given, are the range of a grey picture; other ranges are an error.
 """
 
 from typing import Any
@@ -23,41 +23,29 @@ Levels = tuple[float, float]
 
 _BITS_PER_SAMPLE, _PHOTOMETRIC, _WHITE_IS_ZERO = 258, 262, 0  # tags of TIFF
 _SIXTEEN_BITS = 65535.0
-_DEFLATE = 1032
-"""Bytes that a byte of a PNG can unpack to: 258 for two bits."""
 _STRIP = 1 << 20
-"""Pixels that are worked on at a time: what is needed in between stays small."""
+"""Pixels that are converted at a time, so that temporary arrays are small."""
 
 
 def pixel_bytes(mode: str) -> int:
-    """Return how many bytes a pixel of a Pillow mode takes, at the most, while it becomes a CNN value."""
+    """Return the bytes of temporary memory per pixel of a Pillow mode."""
     if mode in ("1", "L"):
-        return 3  # the picture, its bytes, and the pieces these are joined from
+        return 3  # the picture, its bytes, and the blocks these are joined from
     return 6 if mode.startswith("I;16") else 14
 
 
-def least_bytes(image: Image.Image) -> float:
-    """Return how many bytes the pixels of a file take at the least; 0 where its packing knows no bound."""
-    pixels, bits = float(image.size[0]) * image.size[1], 1 if image.mode == "1" else 8
-    if image.format == "PNG":  # palettes and greys may have a bit a pixel
-        return pixels * (1 if image.mode in ("1", "L", "P") else bits) / 8 / _DEFLATE
-    tiles: Any = getattr(image, "tile", ())
-    raw = len(tiles) == 1 and tiles[0][0] == "raw" and image.format in ("BMP", "PPM", "TIFF")
-    return pixels * bits / 8 if raw and image.mode in ("1", "L", "RGB") else 0.0
-
-
 def check_labels(image: Image.Image, name: str, levels: Levels | None) -> None:
-    """Refuse a grey picture of the levels 0 and 1 alone, unless ``levels`` say what they are: labels, not greys.
+    """Refuse a grey picture that has the levels 0 and 1 alone, unless ``levels`` are given: both would be black.
 
     Raises:
-        InputError: of 255 both are black.
+        InputError: so it is.
     """
     if levels is None and image.mode == "L" and image.getextrema() == (0, 1):
         raise labels_error(name)
 
 
 def labels_error(name: str, *, zeros: bool = False) -> InputError:
-    """Return the error for whole numbers that are only 0 and 1, or ``zeros`` alone."""
+    """Return the error for whole numbers that are only 0 and 1, or, with ``zeros``, only 0."""
     held = "number 0 alone, black as a grey level" if zeros else "numbers 0 and 1 alone, as grey levels both black"
     return InputError(
         f"{name} holds the {held}; their meaning wanted: --range 1,0 (1 is black), 0,1 (1 is white), 0,255 (levels); "
@@ -66,9 +54,9 @@ def labels_error(name: str, *, zeros: bool = False) -> InputError:
 
 
 def tell_if_dark(name: str, most: float, levels: Levels | None) -> None:
-    """Tell on a command line of numbers of 16 bits that use less than a sixteenth of them, as 12 bits do.
+    """Give a notice on a command line if 16-bit numbers use less than 1/16 of their range, as 12-bit numbers do.
 
-    ``most``: the largest of them; ``levels``: what the file says they are meant in.
+    ``most`` is the largest number, ``levels`` the range that the file states.
     """
     dark = levels is not None and max(levels) == _SIXTEEN_BITS and 0 < most <= _SIXTEEN_BITS / 16
     if dark and Notices.tell is not None:
@@ -80,10 +68,10 @@ def tell_if_dark(name: str, most: float, levels: Levels | None) -> None:
 def values_of(
     image: Image.Image, name: str, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
 ) -> Array:
-    """Return the CNN values (rows, cols) of a picture; ``binary`` makes what is darker than mid-grey +1, the rest -1.
+    """Return the CNN values (rows, cols) of a picture; ``binary`` makes darker than mid-grey +1 and the rest -1.
 
     Raises:
-        InputError: floats or whole numbers whose range is not known, or that leave the range given.
+        InputError: numbers whose range is not known, or outside of the range given.
     """
     check_levels(image, name, levels)
     image = upright(image)
@@ -99,12 +87,12 @@ def values_of(
 
 
 def holds_numbers(image: Image.Image) -> bool:
-    """Return whether a picture holds numbers of 16 bits or more, or floats, and no colours."""
+    """Return whether the pixels of a picture are numbers of 16 bits or more, or floats."""
     return image.mode.startswith("I;16") or image.mode in ("I", "F")
 
 
 def check_reading(levels: Any, dtype: Any) -> None:
-    """Refuse levels that are no two numbers, and a type that cannot hold CNN values.
+    """Check that ``levels`` are two numbers and that ``dtype`` is a type of floats.
 
     Raises:
         InputError: what was given.
@@ -132,7 +120,7 @@ def check_levels(image: Image.Image, name: str, levels: Levels | None) -> None:
 
 
 def grey_of(image: Image.Image) -> Image.Image:
-    """Return a picture of bytes, colours or a palette as one of grey levels, over white."""
+    """Return a picture of bytes, colours or a palette in grey levels, over white."""
     if image.has_transparency_data:
         return _over_white(image)
     return image if image.mode == "L" else image.convert("RGB").convert("L")
@@ -145,7 +133,7 @@ def table_of(dtype: Any, *, binary: bool) -> Array:
 
 
 def own_levels(image: Image.Image) -> Levels | None:
-    """Return the levels that a picture of numbers says itself, by its format; None if only its numbers can tell."""
+    """Return the levels that the format or the header of a picture of numbers states; None if there are none."""
     tags = getattr(image, "tag_v2", {})
     if not (image.mode.startswith("I;16") or image.format in ("PNG", "PPM")):
         return None
@@ -154,7 +142,7 @@ def own_levels(image: Image.Image) -> Levels | None:
 
 
 def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float64) -> Array:
-    """Return numbers as CNN values, those of ``levels`` being black (+1) and white (-1), a strip at a time.
+    """Return numbers as CNN values: linear, with ``levels`` as black (+1) and white (-1).
 
     Raises:
         InputError: numbers outside that range, or a range of no length.
@@ -176,7 +164,7 @@ def from_levels(numbers: Array, name: str, levels: Levels, dtype: Any = np.float
 
 
 def extremes(numbers: Array, name: str) -> tuple[float, float]:
-    """Return the least and the largest of some numbers.
+    """Return the minimum and the maximum of some numbers.
 
     Raises:
         InputError: one is not finite.
@@ -188,7 +176,7 @@ def extremes(numbers: Array, name: str) -> tuple[float, float]:
 
 
 def range_of(numbers: Array, name: str) -> Levels:
-    """Return the levels that numbers of a kind without a range can be meant in: [0, 1] as grey, [-1, 1] as CNN values.
+    """Return the levels of numbers by their range: grey levels in [0, 1], CNN values in [-1, 1].
 
     Raises:
         InputError: they are in neither.
@@ -205,10 +193,10 @@ def range_of(numbers: Array, name: str) -> Levels:
 
 
 def check_whole(image: Image.Image, name: str, least: float, most: float) -> None:
-    """Refuse whole numbers of 32 bits, which say nothing of their range.
+    """Refuse whole numbers of 32 bits, whose format has no range.
 
     Raises:
-        InputError: what they hold, and that a range is wanted.
+        InputError: so they are.
     """
     if image.mode == "I":
         raise InputError(

@@ -1,4 +1,4 @@
-"""Sequences of pictures read one after the other: files, a folder, an animation, a video, or arrays of NumPy."""
+"""Sequences of pictures from files, a folder, an animation, a video or a NumPy file."""
 
 import re
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from cnnsim.support.types import Array
 def read_pictures(
     *paths: str | Path, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
 ) -> Array:
-    """Read pictures that follow one another as CNN values (n, rows, cols).
+    """Read a sequence of pictures as CNN values (n, rows, cols).
 
     Arguments: ``paths`` picture files, a folder of them (in the order of their names, numbers as numbers), an
     animation (GIF, TIFF, ...), a video (with PyAV), or an .npy or .npz file of one plane or (n, rows, cols) planes; the
@@ -44,7 +44,7 @@ def read_pictures(
 
 
 def sequence_of(paths: Sequence[str | Path], reading: Reading, key: str = "") -> PictureSequence:
-    """Return all pictures of some files as one sequence; of an .npz file the array ``key``, or its only one.
+    """Return the pictures of some files as one sequence; of an .npz file the array ``key``, or its only array.
 
     Raises:
         InputError: as `read_pictures`.
@@ -83,5 +83,5 @@ def _part(path: Path, reading: Reading, key: str) -> PictureSequence:
 
 
 def _in_order(name: str) -> list[Any]:
-    """Sort 2.png before 10.png."""
+    """Return a sort key that puts 2.png before 10.png."""
     return [int(part) if number % 2 else part.lower() for number, part in enumerate(re.split(r"([0-9]+)", name))]

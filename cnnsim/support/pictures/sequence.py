@@ -1,4 +1,4 @@
-"""PictureSequence: pictures of one size that follow one another, of a file that Pillow reads or of a video."""
+"""PictureSequence: the pictures of a file that Pillow reads, or of a video, read one after the other."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from cnnsim.support.types import Array
 
 @dataclass(frozen=True)
 class Reading:
-    """How pictures are turned into CNN values, see `cnnsim.support.pictures.picture.read_picture`."""
+    """Options of the conversion to CNN values, as in `cnnsim.read_picture`."""
 
     binary: bool = False
     levels: Levels | None = None
@@ -33,9 +33,9 @@ class Reading:
 
 @dataclass(frozen=True)
 class PictureSequence:
-    """Pictures of one ``shape`` (rows, cols), read when they are asked for; ``rate`` a second, if the file knows it.
+    """Pictures of one ``shape`` (rows, cols); ``pictures()`` reads them one by one, ``rate`` is per second, or None.
 
-    ``count()`` is how many there are; a ``long`` one, a video, has to be gone through for that.
+    ``count()`` is their number; for a ``long`` sequence, a video, it decodes the whole file.
     """
 
     name: str
@@ -47,7 +47,7 @@ class PictureSequence:
 
 
 def of_file(path: Path, reading: Reading) -> PictureSequence:
-    """Return the pictures of a file that Pillow reads, most often a single one.
+    """Return the picture or pictures of a file that Pillow reads.
 
     Raises:
         InputError: no picture, one that does not fit into memory, or pictures of different sizes.
@@ -117,5 +117,5 @@ def of_video(path: Path, reading: Reading) -> PictureSequence:
 
 
 def size_text(shape: tuple[int, int]) -> str:
-    """Return a size as messages have it."""
+    """Return "rows x cols" for messages."""
     return f"{shape[0]} x {shape[1]}"
