@@ -40,7 +40,9 @@ def accuracy(
     name: str, picture: Path | None, output: Path | None, figures: Path | None, duration: float | None,
     names: tuple[str, ...], as_json: bool,
 ) -> None:  # fmt: skip
-    """Measure what accuracy costs template NAME on PICTURE: every scheme, step and dtype against the exact transient.
+    """Measure time and error of schemes, steps and dtypes.
+
+    Template NAME is run on PICTURE with each, and compared with the exact transient.
 
     Without a picture a random one of 16 x 16 is taken; of a larger one its middle, 24 x 24, because the exact answer
     goes from kink to kink.

@@ -46,7 +46,9 @@ def design(
     text: str | None, table: Path | None, pairs: tuple[str, ...], name: str, output: Path, boundary: str,
     coupled: bool, replace: bool, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
-    """Find templates for a rule over the 3 x 3 window, and write them with worked examples.
+    """Find templates for a rule, or for pairs of pictures.
+
+    A rule is over the 3 x 3 window; the templates are written with worked examples.
 
     In a rule c n ne e se s sw w nw are 1 for black and 0 for white, x is the cell's own initial state; ring4, ring8 and
     all9 are sums; and or xor not, comparisons, + - * % and brackets work as usual. One template of the largest margin

@@ -13,7 +13,9 @@ from cnnsim.support.terminal import echo, hanging
 @click.command(epilog=examples("cnnsim devices", "cnnsim devices --json", "CNNSIM_DEVICE=1 cnnsim devices"))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def devices(as_json: bool) -> None:
-    """List the OpenCL devices; the opencl backend takes the one marked *.
+    """List the OpenCL devices.
+
+    The opencl backend takes the one marked *.
 
     The environment variable CNNSIM_DEVICE, a number or part of a name, chooses another one. PoCL 3.0 does not know
     processors newer than itself; CNNSIM_POCL_PROCESSOR=auto names such a one as an older one, in PoCL's memory.

@@ -34,7 +34,9 @@ def sources() -> dict[str, Path]:
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--replace", is_flag=True, help="Write over files that are there already.")
 def write_examples(folder: Path, replace: bool) -> None:
-    """Write the example scripts, scenes, pictures, a recording, and the pages that explain them, into FOLDER.
+    """Write example scripts, scenes and pages into FOLDER.
+
+    Also the pictures and the recording that they use.
 
     The commands of README.md run there as they stand: `cd FOLDER` and type them.
     """

@@ -44,7 +44,9 @@ def explain(
     name: str, size: str, accuracy: str | None, backend: str, without: tuple[str, ...], engine: str | None,
     workers: int | None, block: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print what the plan decides for a template, or for each template step of a program, and why.
+    """Print how a template or a program would be computed.
+
+    That is what the plan decides for a template, or for each template step of a program, and why.
 
     NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program. With
     --engine also the blocks of a program, its planes on the disk and their bytes.

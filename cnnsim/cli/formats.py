@@ -33,7 +33,9 @@ def import_(
     context: click.Context, files: tuple[Path, ...], output: Path, kind: str | None, replace: bool, notes: bool,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Turn template FILES of other systems into template files of a library of your own.
+    """Convert template files of other systems.
+
+    FILES become template files of a library of your own.
 
     By suffix: .tem (CANDY), .m (MATCNN's temlib.m), .cnnsim (CNNSim text), .gene (19 numbers), .json (celnn).
     Every remark names its file and line; a bad file does not stop the others, and makes the exit code 2.
@@ -88,7 +90,9 @@ def _summary(results: list[ImportedFile]) -> str:
 @click.option("--replace", is_flag=True, help="Write over files that are there already.")
 @click.pass_context
 def export(context: click.Context, names: tuple[str, ...], kind: str, output: Path, replace: bool) -> None:
-    """Write templates NAMES of the library as CANDY .tem, as 19-number genes, or as JSON for celnn.
+    """Write templates of the library in other formats.
+
+    NAMES are written as CANDY .tem, as 19-number genes, or as JSON for celnn.
 
     One that the format cannot hold does not stop the others: it is named, and makes the exit code 2.
     """

@@ -28,7 +28,10 @@ NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
               help="Folder of the library; programs go into its folder programs.")  # fmt: skip
 @click.option("--replace", is_flag=True, help="Write over a file that is there already.")
 def new(kind: str, name: str, output: Path, replace: bool) -> None:
-    """Write a commented file NAME.toml of a new template or program, which runs as it is."""
+    """Write a commented file of a new template or program.
+
+    The file NAME.toml runs as it is.
+    """
     if not NAME.fullmatch(name):
         raise InputError(f"name {name!r}; small letters, digits and hyphens wanted, such as my-edge")
     path = output / ("programs" if kind == "program" else "") / f"{name}.toml"

@@ -70,7 +70,9 @@ def program(
     threads: int | None, as_json: bool, engine: str | None, store: Path | None, workers: int | None,
     block: int | None,
 ) -> None:  # fmt: skip
-    """Run an analogic program: FILE is a TOML file, or the name of a program of the library.
+    """Run an analogic program on pictures or sequences.
+
+    FILE is a TOML file, or the name of a program of the library.
 
     On sequences it runs once for each picture, in order, and what it keeps goes on from step to step. Of several
     inputs all have as many pictures. With --engine planes lie on the disk, and its results stay in the store as Zarr

@@ -38,7 +38,7 @@ def robust(
     name: str, output: Path | None, pictures: tuple[Path, ...], state: Path | None, binary: bool,
     levels: tuple[float, float] | None, draws: int, seed: int, as_json: bool,
 ) -> None:  # fmt: skip
-    """Tell how precise a chip must be for template NAME.
+    """Measure how precise a chip must be for a template.
 
     The margin, and the share of wrong cells under random errors of the entries (0.1 % to 20 %), entries of 3 to 12
     bits, and noise on the picture. It is judged on black-and-white neighbourhoods where those are all that the template

@@ -96,7 +96,9 @@ def run(
     device: str | None, threads: int | None, dtype: str | None, as_json: bool, engine: str | None,
     store: Path | None, workers: int | None, block: int | None, **options: Any,
 ) -> None:  # fmt: skip
-    """Run template NAME on PICTURE (any format Pillow reads; black is +1, white -1).
+    """Run a template on a picture, a batch or a sequence.
+
+    PICTURE has any format that Pillow reads; black is +1, white -1.
 
     Several pictures are files, a folder, a GIF, a video, .npy or .npz: templates for moving pictures take them as one
     sequence, others run on each by itself. Of a network of layers each layer has its own output.

@@ -21,7 +21,9 @@ from cnnsim.support.terminal import echo, hanging, say_table
 @click.argument("name")
 @json_option
 def show(name: str, as_json: bool) -> None:
-    """Show a template: its numbers, its source and a worked example; or a program: what it takes, gives and does.
+    """Show the content of a template or a program.
+
+    Of a template the numbers, the source and a worked example; of a program inputs, outputs and steps.
 
     NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program.
     """

@@ -55,7 +55,9 @@ def trace(
     layer: int, state: Path | None, binary: bool, levels: tuple[float, float] | None, boundary: str | None,
     duration: float | None, scheme: str | None, backend: str, as_json: bool,
 ) -> None:  # fmt: skip
-    """Record the transient of template NAME on PICTURE: states and outputs over time, and the pictures.
+    """Plot states and outputs of cells over time.
+
+    The transient of template NAME on PICTURE is recorded.
 
     Templates for moving pictures take several: files, a folder, a GIF, a video, .npy or .npz.
     """

@@ -24,7 +24,9 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
             f"{program} sweep {file} -o study/ --workers 1",
             f"{program} sweep {file} -o study/ --plot {plot} --json",
         ),
-        help=f"""Run all cases of SPEC, a TOML file with a kind ({", ".join(kinds)}) and a [grid] of choices.
+        help=f"""Run all cases of a sweep file.
+
+        SPEC is a TOML file with a kind ({", ".join(kinds)}) and a [grid] of choices.
 
         The table is DIR/table.parquet, a row a case; a case that fails is a row with its error. Run again after a
         crash, or with --plot, it goes on with what is there.""",

@@ -31,7 +31,9 @@ _FILE = click.Path(path_type=Path)
 def accuracy(
     scene: Path, tolerances: tuple[float, ...], output: Path | None, table: Path | None, as_json: bool
 ) -> None:
-    """Measure what accuracy costs in SCENE: all effects on, and those that each tolerance asks for.
+    """Measure time and error of a scene for each tolerance.
+
+    SCENE is computed with all effects on, and with those that each tolerance needs.
 
     Errors are over the whole recording and three seeds, relative to the peak of the ideal skin. Of a scene of more than
     400 frames 400 are computed.

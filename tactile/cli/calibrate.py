@@ -45,7 +45,9 @@ def calibrate(
     scan: Path, speed_mm_s: float | None, load_n: float | None, weights: Path | None, fit: Model, tare: int,
     toward: tuple[float, float] | None, output: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Measure gains, depth and radial correction from SCAN, or the gains of every taxel from known weights.
+    """Measure gains, depth and radial correction.
+
+    From SCAN, or the gains of every taxel from known weights.
 
     SCAN is a recording or a scene of one array. With --speed-mm-s and --load-n a needle is drawn straight over one
     taxel of strain; the taxel that presses most is taken. With --weights known loads lie on it one after the other:

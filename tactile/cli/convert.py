@@ -19,7 +19,9 @@ from tactile.cli.options import FILE
 @click.argument("target", type=FILE)
 @click.option("--replace", is_flag=True, help="Write over TARGET if it is there already.")
 def convert(source: Path, target: Path, replace: bool) -> None:
-    """Write the frames of SOURCE as TARGET (.csv, .npz, .parquet, .mcap), to the last bit.
+    """Convert recordings and scenes to another file format.
+
+    The frames of SOURCE are written to TARGET (.csv, .npz, .parquet, .mcap) without loss.
 
     SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder)
     or a scene (.toml). What TARGET cannot hold is said on stderr.

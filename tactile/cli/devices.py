@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.command(epilog=examples("tactile ports"))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def ports(as_json: bool) -> None:
-    """List serial ports and what may be behind them."""
+    """List serial ports and the devices on them."""
     from tactile.serial.ports import list_ports  # pyserial only where it is used
 
     rows = list_ports()
@@ -64,7 +64,10 @@ def emulate(
     protocol: str | None, array: Path | None, scene: Path | None, recording: Path | None, write_array: Path | None,
     link: Path | None, loop: bool, seed: int, **faults: Any,
 ) -> None:  # fmt: skip
-    """Be a device: print the port to open, then send frames at their times once somebody opens it."""
+    """Emulate a device on a virtual serial port.
+
+    The port is printed; frames are sent at their times once a program opens it.
+    """
     from tactile.serial.emulator import Emulator  # imported when used
     from tactile.serial.faults import Faults  # the same
     from tactile.sources import open_source  # the same

@@ -24,7 +24,10 @@ FULL = 1000
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def explain(scene: Path, write: Path | None, as_json: bool) -> None:
-    """Show what SCENE computes: each part's size and time per frame, and what adding the others would change."""
+    """Show the size and time of each part of a scene.
+
+    Of the parts that SCENE leaves out: what they would change.
+    """
     from tactile.simulator.explain import explain_file  # not for --help
 
     told = explain_file(scene, write)

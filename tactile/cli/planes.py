@@ -9,7 +9,7 @@ from cnnsim.support.terminal import echo, say_table
 @click.command(epilog=examples("tactile planes", "tactile planes --json"))
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def planes(as_json: bool) -> None:
-    """List the planes that detectors are given, with their meaning and scale."""
+    """List the planes that detectors read."""
     from tactile.events.detector_file import shipped_detectors  # the machine is not for --help
     from tactile.events.planes import meanings  # the same
     from tactile.events.registry import SHIPPED  # the same
@@ -30,7 +30,9 @@ def planes(as_json: bool) -> None:
 @click.argument("code", nargs=-1, metavar="[CODE]...")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def codes(code: tuple[str, ...], as_json: bool) -> None:
-    """Say what sign CODEs of two 2 x 2 fingers mean: 16 bits, 0xd8d8 or a number up to 65535; all without one.
+    """Show the directions that sign codes stand for.
+
+    CODE is that of two 2 x 2 fingers: 16 bits, 0xd8d8 or a number up to 65535; all codes without one.
 
     Two bits a taxel (x, then y; 1 is plus), row by row, the first finger highest, as in the events' "hand", which is
     hexadecimal: letters or a 0 in front say so, too.

@@ -51,7 +51,7 @@ def run(
     source: Path, output: Path | None, parquet: bool, tare: TareMode | None, gains: str | None,
     calibration: Path | None, as_json: bool, **chosen: Any,
 ) -> None:  # fmt: skip
-    """Run SOURCE through the pipeline.
+    """Run the pipeline on a scene, a recording or a folder.
 
     SOURCE is a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag (.bag, .db3 or a folder); or
     a folder of them, whose events make one table, events.csv: a recording that is broken is a row with its error.

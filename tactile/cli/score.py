@@ -56,7 +56,9 @@ def score(
     window_ms: float, as_json: bool, array: Path | None, gains: tuple[float, ...], kinds: tuple[str, ...],
     rate: float | None, **chosen: Any,
 ) -> None:  # fmt: skip
-    """Compare events with what is known, beside plain thresholds: of RECORDINGS, of simulated grasps.
+    """Compare events with labels or with simulated grasps.
+
+    Plain thresholds are compared as well.
 
     RECORDINGS is a folder with --labels, or an NPZ file of sequences of a device's readings with --array.
 

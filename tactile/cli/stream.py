@@ -47,7 +47,7 @@ def record(
     port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool,
     replace: bool, as_json: bool,
 ) -> None:  # fmt: skip
-    """Record bytes and frames of a port until Ctrl-C, without interpreting them."""
+    """Record bytes and frames of a port until Ctrl-C."""
     from tactile.recording.writer import Recording  # imported when used
     from tactile.serial.session import Session  # the same
 
@@ -96,7 +96,8 @@ def live(
     replace: bool, as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, t! takes it
-    whatever presses, q or Ctrl-C ends."""
+    whatever presses, q or Ctrl-C ends.
+    """
     from tactile.cli.port.live import LiveMonitor, LiveOptions, print_line  # the same
     from tactile.recording.writer import Recording  # imported when used
     from tactile.serial.session import Session  # the same
@@ -128,7 +129,9 @@ def live(
 @detection
 @JSON
 def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **chosen: Any) -> None:
-    """Run the pipeline on a recording (.mcap): byte for byte through the decoder, with the settings of the live run.
+    """Run the pipeline on a recording of a port (.mcap).
+
+    Byte for byte through the decoder, with the settings of the live run.
 
     Options of thresholds and programs take the place of those of the live run, and these of those in the array file.
     """

@@ -48,7 +48,7 @@ class _Texture(click.Group):
     ),
 )
 def texture() -> None:
-    """Learn materials from slides over them, tell them, and say how well.
+    """Learn and classify materials from slides over them.
 
     Slides are an NPZ file of them, or recordings of any kind, each material's in a folder of its name or named
     by --labels. docs/textures.md has all of it.
@@ -66,7 +66,7 @@ def train(
     folder: Path, output: Path, features: str, replace: bool, labels: Path | None, window: int, speed: float | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Learn the materials of the slides in FOLDER, and write a model."""
+    """Learn the materials of slides, and write a model."""
     from tactile.materials.features import feature_set  # NumPy is slow to import
     from tactile.materials.fit import learner  # the same
     from tactile.materials.model import train as learn  # the same
@@ -100,7 +100,10 @@ def train(
 def classify(
     source: Path, model: Path, confidence: float, labels: Path | None, window: int, speed: float | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Tell the materials of slides: SOURCE is a folder, a file of slides or a recording."""
+    """Classify the materials of slides.
+
+    SOURCE is a folder, a file of slides or a recording.
+    """
     from tactile.materials.classification import strange, told_slides  # the same
     from tactile.materials.model_file import read_model  # NumPy is slow to import
     from tactile.materials.windows import cut  # the same
@@ -140,7 +143,9 @@ def classify(
 def report(
     folder: Path, output: Path | None, labels: Path | None, window: int, speed: float | None, as_json: bool
 ) -> None:  # fmt: skip
-    """Say how well the materials in FOLDER are told, of slides that were not learned from.
+    """Measure how well materials are classified.
+
+    By cross-validation over the slides in FOLDER.
 
     Windows are tried by slide, by block of slides, at another place of the slides, and with each material left out
     as an unknown one; for the paper's two figures and the full set.

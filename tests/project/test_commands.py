@@ -247,3 +247,11 @@ def test_one_word_lets_a_command_write_over_what_is_there() -> None:
     }
     assert len(named) >= 9
     assert {word for _, _, *words in named for word in words} == {"--replace"}
+
+
+@pytest.mark.parametrize("words", [["cnnsim"], ["tactile"], ["tactile", "texture"]], ids=" ".join)
+def test_every_summary_fits_in_one_line_of_the_help(words: list[str]) -> None:
+    text = CliRunner().invoke(GROUPS[words[0]], [*words[1:], "--help"], terminal_width=80).output
+    summaries = text.split("Commands:\n")[1].split("\n\n")[0].splitlines()
+    assert len(summaries) >= 3
+    assert not [line for line in summaries if line.endswith("...")]

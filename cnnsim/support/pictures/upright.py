@@ -17,7 +17,7 @@ def orientation(image: Image.Image) -> int:
         found = exif.get(_ORIENTATION)
     except Exception:  # no EXIF data, or broken ones, for which Pillow raises any error
         return 1
-    return found if found in range(1, 9) else 1
+    return int(found) if found in range(1, 9) else 1
 
 
 def upright_size(image: Image.Image) -> tuple[int, int]:
