@@ -27,7 +27,7 @@ def show(name: str, as_json: bool) -> None:
 
     NAME is one of the library, or a file; where a template and a program share it, programs/NAME is the program.
     """
-    from cnnsim.library.write_terms import template_keys  # only for JSON and terms
+    from cnnsim.library.write import template_keys  # only for JSON and terms
 
     program = find_program(name)
     if program is not None:

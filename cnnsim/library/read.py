@@ -1,7 +1,6 @@
-"""Reads a template file: the whole of it, checked, as an entry of the library. Its keys: templates/README.md."""
+"""Reader of template files: TOML to a library entry, with all checks. templates/README.md describes the keys."""
 
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,6 @@ from cnnsim.support.errors import shown
 from cnnsim.support.files import check_name
 from cnnsim.support.toml_file import (
     line_of,
-    located,
     read_toml,
     take,
     take_duration,
@@ -25,21 +23,22 @@ from cnnsim.support.toml_file import (
     take_tables,
 )
 
+Table = dict[str, Any]
 _REQUIRED = ("name", "summary", "reference", "input", "initial_state", "boundary", "duration")
 _OPTIONAL = ("tags", "margin", "note", "aliases", "example", "cell", "step", "frame_time", "accuracy", *TEMPLATE_KEYS)
 _PLANES = ("input", "state", "output", "mask", "bias")
 
 
 def load_file(path: Path) -> LibraryEntry:
-    """Read and check one template file. A shipped one has a worked example; a user's own may do without.
+    """Read and check a template file; a worked example is required in the shipped library only.
 
     Raises:
-        InputError: all that is wrong, with the file's name and the lines.
+        InputError: all errors of the file, with their lines.
     """
     data = read_toml(path, "template file")
-    faults = ErrorList(str(path))
-    found = _found(data, path.stem, faults)
-    faults.raise_all()
+    errors = ErrorList(str(path))
+    found = _fields(data, path.stem, errors)
+    errors.raise_all()
     with naming(path):
         entry = LibraryEntry(**found, file=path)
         _check_whole(data, entry)
@@ -48,25 +47,25 @@ def load_file(path: Path) -> LibraryEntry:
         return entry
 
 
-def _found(data: dict[str, Any], stem: str, faults: ErrorList) -> dict[str, Any]:
-    """Return what a file says as the fields of an entry; ``faults`` get what is missing, unknown and wrong."""
-    faults.check(data, (*_REQUIRED, *_OPTIONAL), required=(*_REQUIRED, *needed_keys(data)))
+def _fields(data: Table, stem: str, errors: ErrorList) -> dict[str, Any]:
+    """Return the fields of the entry of a file."""
+    errors.check(data, (*_REQUIRED, *_OPTIONAL), required=(*_REQUIRED, *needed_keys(data)))
     found: dict[str, Any] = {}
     for key, read in _READERS.items():
         if key in data:
-            with faults.collecting(), located(data, key):
-                found[key] = read(data)
+            with errors.collecting(data, key):
+                found[key] = read(data, key, "template")
     name = found.get("name", stem)
-    if name != stem:
-        with faults.collecting(), located(data, "name"):
+    with errors.collecting(data, "name"):
+        if name != stem:
             raise InputError(f"the name is {name!r}, the file is {stem}.toml; one name wanted")
-    with faults.collecting():
-        found["examples"] = tuple(_example(item, faults) for item in take_tables(data, "example", "template"))
-    return found | {"network": read_template(data, name, faults)}
+    with errors.collecting():
+        found["examples"] = tuple(_example(item, errors) for item in take_tables(data, "example", "template"))
+    return found | {"network": read_template(data, name, errors)}
 
 
-def _check_whole(data: dict[str, Any], entry: LibraryEntry) -> None:
-    """Check what only holds between keys."""
+def _check_whole(data: Table, entry: LibraryEntry) -> None:
+    """Check keys against one another."""
     template, roles = entry.network, entry.initial_state
     if template.reads_input and entry.input == "none":
         raise InputError(f"B is not zero, or a term reads u, but input is 'none'{line_of(data, 'input')}")
@@ -74,32 +73,24 @@ def _check_whole(data: dict[str, Any], entry: LibraryEntry) -> None:
         raise InputError(f"{len(roles)} initial states; one, or one a layer, wanted{line_of(data, 'initial_state')}")
 
 
-def _name(data: dict[str, Any]) -> str:
-    return check_name(take(data, "name", str, "template"), "template")
+def _name(table: Table, key: str, where: str) -> str:
+    return check_name(take(table, key, str, where), where)
 
 
-def _initial_state(data: dict[str, Any]) -> Role | tuple[Role, ...]:
-    roles = data["initial_state"]
-    return tuple(map(_state, roles)) if isinstance(roles, list) else _state(roles)
+def _text(table: Table, key: str, where: str) -> str:
+    return take(table, key, str, where)
 
 
-def _text(key: str, data: dict[str, Any]) -> str:
-    return take(data, key, str, "template")
-
-
-def _positive(key: str, data: dict[str, Any]) -> float:
-    return take_positive(data, key, "template")
-
-
-def _from_zero(key: str, data: dict[str, Any]) -> float:
-    return take_from_zero(data, key, "template")
-
-
-def _words(key: str, data: dict[str, Any]) -> tuple[str, ...]:
-    found = take(data, key, list, "template")
+def _texts(table: Table, key: str, where: str) -> tuple[str, ...]:
+    found = take(table, key, list, where)
     if not all(isinstance(word, str) for word in found):
-        raise InputError(f"template: {key} = {shown(found)}, a list of texts wanted")
+        raise InputError(f"{where}: {key} = {shown(found)}, a list of texts wanted")
     return tuple(found)
+
+
+def _initial_state(table: Table, key: str, _where: str) -> Role | tuple[Role, ...]:
+    roles = table[key]
+    return tuple(map(_state, roles)) if isinstance(roles, list) else _state(roles)
 
 
 def _state(value: Any) -> Role:
@@ -112,18 +103,17 @@ def _role(key: str, value: Any, words: tuple[str, ...]) -> Role:
     raise InputError(f"{key} is {shown(value)}; one of {', '.join(map(repr, words))} or a number from -1 to 1 wanted")
 
 
-def _example(data: dict[str, Any], faults: ErrorList) -> Example | None:
-    before = len(faults)
-    faults.check(data, (*_PLANES, "tolerance"), required=("output",))
+def _example(table: Table, errors: ErrorList) -> Example | None:
+    before = len(errors)
+    errors.check(table, (*_PLANES, "tolerance"), required=("output",))
     planes: dict[str, Floats | None] = dict.fromkeys(_PLANES)
     for key in _PLANES:
-        if key in data:
-            with faults.collecting(), located(data, key), naming(f"example: {key}"):
-                planes[key] = parse_pictures(data[key])
-    tolerance = None
-    with faults.collecting(), located(data):
-        tolerance = take_from_zero(data, "tolerance", "example") if "tolerance" in data else None
-        if len(faults) > before:
+        if key in table:
+            with errors.collecting(table, key, f"example: {key}"):
+                planes[key] = parse_pictures(table[key])
+    with errors.collecting(table):
+        tolerance = take_from_zero(table, "tolerance", "example") if "tolerance" in table else None
+        if len(errors) > before:
             return None
         if planes["input"] is None and planes["state"] is None:
             raise InputError("an example without input and without state; at least one of them wanted")
@@ -134,21 +124,21 @@ def _example(data: dict[str, Any], faults: ErrorList) -> Example | None:
     return None
 
 
-_READERS: dict[str, Callable[[dict[str, Any]], Any]] = {
+_READERS: dict[str, Callable[[Table, str, str], Any]] = {
     "name": _name,
-    "summary": partial(_text, "summary"),
-    "reference": partial(_text, "reference"),
-    "input": lambda data: _role("input", data["input"], ("picture", "none")),
+    "summary": _text,
+    "reference": _text,
+    "input": lambda table, key, _where: _role(key, table[key], ("picture", "none")),
     "initial_state": _initial_state,
-    "boundary": lambda data: parse_boundary(data["boundary"]),
-    "duration": lambda data: take_duration(data, "template"),
-    "tags": partial(_words, "tags"),
-    "margin": partial(_from_zero, "margin"),
-    "note": partial(_text, "note"),
-    "aliases": partial(_words, "aliases"),
-    "cell": lambda data: parse_cell(data["cell"]),
-    "step": partial(_positive, "step"),
-    "frame_time": partial(_positive, "frame_time"),
-    "accuracy": lambda data: read_accuracy(data, "template"),
+    "boundary": lambda table, key, _where: parse_boundary(table[key]),
+    "duration": lambda table, _key, where: take_duration(table, where),
+    "tags": _texts,
+    "margin": take_from_zero,
+    "note": _text,
+    "aliases": _texts,
+    "cell": lambda table, key, _where: parse_cell(table[key]),
+    "step": take_positive,
+    "frame_time": take_positive,
+    "accuracy": lambda table, _key, where: read_accuracy(table, where),
 }
-"""Key of a file, which is a field of an entry, and what reads its value where it is there."""
+"""Reader of each key that is a field of a library entry."""

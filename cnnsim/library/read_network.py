@@ -1,4 +1,4 @@
-"""Reads the network of a template file from its tables: A, B, z, terms, layers, and pictures in several planes.
+"""Reader of the network of a template file: A, B, z, terms, layers; and of pictures in several planes.
 
 A file has ``A``, ``B``, ``z`` and perhaps ``[[term]]`` tables, or ``[[layer]]`` tables that have them::
 
@@ -10,7 +10,7 @@ A file has ``A``, ``B``, ``z`` and perhaps ``[[term]]`` tables, or ``[[layer]]``
     delay   = 10                  # time constants
     layer   = 0                   # whose neighbour, counted from 0; the own one if left out
 
-Pictures of several planes (layers, or frames that follow one another) are lists of pictures.
+Pictures of several planes (layers, or frames of a sequence) are lists of pictures.
 """
 
 from dataclasses import fields
@@ -20,11 +20,11 @@ import numpy as np
 
 from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term
 from cnnsim.network.table import parse_table
-from cnnsim.support import Floats, InputError, naming
+from cnnsim.support import Floats, InputError
 from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown
 from cnnsim.support.pictures.picture import parse_ascii
-from cnnsim.support.toml_file import located, take_positive, take_tables
+from cnnsim.support.toml_file import take_positive, take_tables
 
 TEMPLATE_KEYS = ("A", "B", "z", "term", "layer")
 _NEEDED = ("A", "z")
@@ -33,57 +33,57 @@ _TERM_KEYS = tuple(part.name for part in fields(Term))
 
 
 def needed_keys(data: dict[str, Any]) -> tuple[str, ...]:
-    """Return the keys that the network of a file has to have."""
+    """Return the required keys of the network of a file."""
     return ("layer",) if "layer" in data else _NEEDED
 
 
-def read_template(data: dict[str, Any], name: str, faults: ErrorList) -> AnyTemplate | None:
-    """Return the template of a file, of whatever kind; None where something is wrong, which ``faults`` then have."""
+def read_template(data: dict[str, Any], name: str, errors: ErrorList) -> AnyTemplate | None:
+    """Return the template of a file; None if something is wrong, which is then in ``errors``."""
     if "layer" not in data:
-        return _single_layer(data, name, faults, "")
+        return _single_layer(data, name, errors, "")
     extra = {"A", "B", "z", "term"} & data.keys()
-    with faults.collecting(), located(data, min(extra, key=list(data).index) if extra else "layer"):
+    with errors.collecting(data, min(extra, key=list(data).index) if extra else "layer"):
         if extra:
             raise InputError(f"layers and {', '.join(sorted(extra))}: with layers, each has its own A, B, z and terms")
         tables = take_tables(data, "layer", "template")
         for number, table in enumerate(tables):
-            faults.check(table, _LAYER_KEYS, f"layer {number}", _NEEDED)
-        layers = [_single_layer(table, f"{name}, layer {n}", faults, f"layer {n}: ") for n, table in enumerate(tables)]
+            errors.check(table, _LAYER_KEYS, f"layer {number}", _NEEDED)
+        layers = [_single_layer(table, f"{name}, layer {n}", errors, f"layer {n}: ") for n, table in enumerate(tables)]
         whole, times = [layer for layer in layers if layer is not None], list[float]()
         for number, table in enumerate(tables):
-            with faults.collecting():
+            with errors.collecting():
                 times.append(take_positive(table, "time_constant", f"layer {number}", 1.0))
         if len(whole) == len(times) == len(tables):
             return LayeredTemplate(whole, times, name)
     return None
 
 
-def _single_layer(data: dict[str, Any], name: str, faults: ErrorList, place: str) -> Template | None:
-    """Return the template of one layer, or None; its keys are checked already. Each fault has its own line."""
-    before = len(faults)
+def _single_layer(data: dict[str, Any], name: str, errors: ErrorList, place: str) -> Template | None:
+    """Return the template of one layer, whose keys have been checked, or None."""
+    before = len(errors)
     tables: list[dict[str, Any]] = []
-    with faults.collecting():
+    with errors.collecting():
         tables = take_tables(data, "term", "template")
-    terms = [_term(table, f"{place}term {number}", faults) for number, table in enumerate(tables)]
+    terms = [_term(table, f"{place}term {number}", errors) for number, table in enumerate(tables)]
     for key in ("A", "B", "z"):
-        with faults.collecting(), located(data, key):  # a template of this alone
+        with errors.collecting(data, key):  # a template with this key alone
             Template(**{"A": 0.0, key: data.get(key, 0.0)}, name=name)
-    if len(faults) > before or not data.keys() >= set(_NEEDED):
+    if len(errors) > before or not data.keys() >= set(_NEEDED):
         return None
     return Template(data["A"], data.get("B", 0.0), data["z"], name, [term for term in terms if term is not None])
 
 
-def _term(table: dict[str, Any], place: str, faults: ErrorList) -> Term | None:
-    before = len(faults)
-    faults.check(table, _TERM_KEYS, place, ("weights",))
+def _term(table: dict[str, Any], place: str, errors: ErrorList) -> Term | None:
+    before = len(errors)
+    errors.check(table, _TERM_KEYS, place, ("weights",))
     values: dict[str, Any] = dict(table)
     if "table" in table:
-        with faults.collecting(), located(table, "table"), naming(place):
+        with errors.collecting(table, "table", place):
             values["table"] = parse_table(table["table"])
     for key in [key for key in _TERM_KEYS if key in values and key != "table"]:
-        with faults.collecting(), located(table, key), naming(place):  # a term of this alone, as above
+        with errors.collecting(table, key, place):  # a term with this key alone, as above
             Term(**{"weights": 0.0, key: values[key]})
-    return None if len(faults) > before else Term(**values)
+    return None if len(errors) > before else Term(**values)
 
 
 def parse_pictures(value: Any) -> Floats:

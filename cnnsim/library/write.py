@@ -1,16 +1,17 @@
-"""Writes an entry of the library as a template file (TOML): the reverse of `read.load_file`."""
+"""Writer of template files (TOML): the reverse of `cnnsim.library.read`."""
 
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, fields
 from typing import Any
 
 import numpy as np
 
 from cnnsim.library.entry import Example, LibraryEntry
-from cnnsim.library.write_terms import template_keys
-from cnnsim.network import CHUA_YANG
+from cnnsim.network import CHUA_YANG, AnyTemplate, Argument, LayeredTemplate, Table, Template, Term
 from cnnsim.network.boundary import boundary_value
 from cnnsim.network.characteristic import cell_value
+from cnnsim.network.table import table_value
 from cnnsim.support import Floats
 from cnnsim.support.numbers import written
 from cnnsim.support.pictures.picture import to_ascii
@@ -19,7 +20,7 @@ _TABLES = ("layer", "term")
 
 
 def template_text(entry: LibraryEntry) -> str:
-    """Return the text of a template file; reading it gives the same entry again."""
+    """Return the text of a template file that is read as the same entry."""
     keys = template_keys(entry.network)
     data: dict[str, Any] = {
         "name": entry.name,
@@ -66,7 +67,7 @@ def _example(example: Example) -> Iterator[str]:
 
 
 def _rows(plane: Floats) -> list[Any]:
-    """Return a picture as text if it is black and white, else as numbers; of several planes each for itself."""
+    """Return a picture as text if it is black and white, else as numbers; several planes as a list."""
     if plane.ndim > 2:
         return [_rows(one) for one in plane]
     return to_ascii(plane) if np.isin(plane, (-1, 1)).all() else plane.tolist()
@@ -89,3 +90,42 @@ def _string(text: str) -> str:
     """Return a TOML basic string: JSON's escapes, and DEL, which JSON leaves alone and TOML forbids."""
     text = text.encode("utf-8", "replace").decode("utf-8")  # half of a surrogate pair cannot be written
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def template_keys(template: AnyTemplate) -> dict[str, Any]:
+    """Return the keys of a template file that define the template: A, B, z, [[term]] and [[layer]] tables."""
+    if not isinstance(template, LayeredTemplate):
+        return _single_layer(template)
+    layers = []
+    for layer, time in zip(template.layers, template.time_constants, strict=True):
+        numbers = _single_layer(layer)
+        terms = numbers.pop("term", None)  # tables are last
+        layers.append(numbers | ({} if time == 1 else {"time_constant": time}) | ({"term": terms} if terms else {}))
+    return {"layer": layers}
+
+
+def _single_layer(template: Template) -> dict[str, Any]:
+    data: dict[str, Any] = {"A": template.A.tolist()}
+    if template.control_taps:
+        data["B"] = template.B.tolist()
+    data["z"] = template.z
+    if template.terms:
+        data["term"] = [_term(term) for term in template.terms]
+    return data
+
+
+def _term(term: Term) -> dict[str, Any]:
+    """Return the fields of a term without those that have their default."""
+    values = ((part, getattr(term, part.name)) for part in fields(term))
+    return {part.name: _plain(v) for part, v in values if part.default is MISSING or v != part.default}
+
+
+def _plain(value: Any) -> Any:
+    match value:
+        case np.ndarray():
+            return value.tolist()
+        case Table():
+            return table_value(value)
+        case Argument():
+            return str(value)
+    return value

@@ -49,8 +49,6 @@ rate_hz = 100
 duration_s = 2.0
 seed = 3
 accuracy = 0.001
-backend = "cpu"
-dtype = "float64"
 [cover]
 youngs_modulus_mpa = 2.4
 quantity = "strain"

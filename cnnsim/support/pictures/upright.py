@@ -1,5 +1,7 @@
 """Orientation of photographs: pictures are turned upright by their EXIF data, as viewers show them."""
 
+from typing import Any
+
 from PIL import Image, ImageOps
 
 _ORIENTATION = 0x0112
@@ -14,10 +16,10 @@ def orientation(image: Image.Image) -> int:
             exif.load(image.info["exif"])
         else:
             exif = image.getexif()
-        found = exif.get(_ORIENTATION)
+        found: Any = exif.get(_ORIENTATION)
     except Exception:  # no EXIF data, or broken ones, for which Pillow raises any error
         return 1
-    return int(found) if found in range(1, 9) else 1
+    return found if found in range(1, 9) else 1
 
 
 def upright_size(image: Image.Image) -> tuple[int, int]:
