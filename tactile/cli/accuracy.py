@@ -11,7 +11,7 @@ from cnnsim.support.files import write_rows, writing
 from cnnsim.support.terminal import echo
 
 if TYPE_CHECKING:
-    from tactile.simulator.choice.tradeoff import Trade
+    from tactile.simulator.tradeoff import Trade
 
 _FILE = click.Path(path_type=Path)
 
@@ -33,13 +33,13 @@ def accuracy(
 ) -> None:
     """Measure time and error of a scene for each tolerance.
 
-    SCENE is computed with all effects on, and with those that each tolerance needs.
+    SCENE is computed with all its effects, and with effects = "auto" for each tolerance.
 
-    Errors are over the whole recording and three seeds, relative to the peak of the ideal skin. Of a scene of more than
-    400 frames 400 are computed.
+    Errors are the largest over the whole recording and three seeds, relative to the peak of the ideal skin. A scene of
+    more than 400 frames is computed at a lower rate.
     """
-    from tactile.simulator.choice.tradeoff import TOLERANCES, trades  # the same
     from tactile.simulator.scene_file.file import bare_scene, scene_table  # not for --help
+    from tactile.simulator.tradeoff import TOLERANCES, trades  # the same
 
     bare, _ = bare_scene(scene_table(scene), str(scene), scene.parent)
     chosen = tolerances or TOLERANCES

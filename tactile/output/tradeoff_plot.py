@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 class Point(Protocol):
-    """A choice of effects, see `tactile.simulator.choice.tradeoff.Trade`."""
+    """A choice of effects, see `tactile.simulator.tradeoff.Trade`."""
 
     @property
     def tolerance(self) -> float: ...  # noqa: D102 - 0 for all effects

@@ -12,9 +12,7 @@ from cnnsim.support import InputError
 
 Kind = TypeVar("Kind")
 NEEDED = object()
-"""The ``none`` of a parameter that is no strength."""
-ANSWERS = ("reach", "strays", "rises", "most", "saves", "passes", "behind", "grain")
-"""What a class may say so that ``effects = "auto"`` may leave it out: see ``effects``."""
+"""The ``none`` of a parameter that is not a strength."""
 
 
 def parameter(
@@ -22,24 +20,21 @@ def parameter(
 ) -> Any:
     """A field of an effect.
 
-    Arguments: ``typical`` value, its default; ``low``, ``high``: the range of a number, both allowed; ``key`` in the
-    effect's table of a scene, the field's name unless given, and the ``unit`` of that key in SI units; ``none``: its
-    value at strength zero, of the parameters that are strengths.
+    Arguments: ``typical`` value, the default; ``low``, ``high``: the allowed range of a number, ends included; ``key``
+    in the effect's table of a scene, by default the field's name; ``unit`` of that key in SI units; ``none``: for a
+    strength, its value where the effect changes nothing.
     """
     return field(default=typical, metadata={"range": (low, high), "key": key, "unit": unit, "none": none})
 
 
 @dataclass_transform(frozen_default=True)
-def effect(
-    stage: str, random: bool = False, normal: bool = False, assumed: bool = True, *, price: tuple[float, float]
-) -> Callable[[type[Kind]], type[Kind]]:
-    """Make a class an effect: a frozen dataclass of parameters with what ``effects.Effect`` says of them.
+def effect(stage: str, random: bool = False) -> Callable[[type[Kind]], type[Kind]]:
+    """Make a class an effect: a frozen dataclass of parameters with the attributes of ``effects.Effect``.
 
-    Arguments: ``price``: time of a run [us], however short, and of every reading [ns], at its typical strength alone.
+    Arguments: ``stage``: "field" or "frames"; ``random``: whether it draws random numbers.
 
-    Its parameters are refused outside their ranges, and infinite where that is not strength zero, before its own
-    ``__post_init__``. Where all strengths are zero its
-    call is left out: the stream goes on as it comes.
+    Values outside their ranges are refused, and infinite ones that are not strength zero. At strength zero the
+    effect returns its stream unchanged.
     """
 
     def define(given: type[Kind]) -> type[Kind]:
@@ -59,35 +54,23 @@ def effect(
             object.__setattr__(self, "off", off)
 
         def call(self: Any, stream: Iterable[Any], random: np.random.Generator) -> Iterator[Any]:
-            return iter(stream) if is_off(self) else act(self, stream, random)
+            return iter(stream) if self.off else act(self, stream, random)
 
         kind.__post_init__, kind.__call__ = check, call
         kind = dataclass(frozen=True)(kind)
-        kind.STAGE, kind.RANDOM, kind.NORMAL, kind.ASSUMED = stage, random or normal, normal, assumed
-        kind.PRICE = price[0] * 1e-6, price[1] * 1e-9
+        kind.STAGE, kind.RANDOM = stage, random
         kind.KEYS = {one.metadata["key"] or one.name: (one.name, one.metadata["unit"]) for one in fields(kind)}
-        kind.SAYS = frozenset(name for name in ANSWERS if hasattr(kind, name))
         kind.NONE = {one.name: one.metadata["none"] for one in fields(kind) if one.metadata["none"] is not NEEDED}
         return given
 
     return define
 
 
-def is_off(effect: Any) -> bool:
-    """Whether all strengths of an effect are zero."""
-    return bool(effect.off)
-
-
-def sticks(effect: Any) -> bool:
-    """Whether bodies stick with a fixed effect on fields, or it does not say what it does: they press otherwise."""
-    return getattr(effect, "sticks", False) or not hasattr(effect, "most")
-
-
 def within(name: str, value: Any, low: float = 0.0, high: float = math.inf) -> None:
-    """Refuse a value outside low .. high, both allowed.
+    """Refuse a value outside low .. high, ends included.
 
     Raises:
-        InputError: it is outside, or not a number.
+        InputError: the value is outside, or not a number.
     """
     if not low <= value <= high:
         wanted = f"at least {low:g}" if math.isinf(high) else f"from {low:g} to {high:g}"

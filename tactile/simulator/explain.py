@@ -1,4 +1,4 @@
-"""Explanation of a scene: every part with its size in the signal, its time per frame, and what is left out."""
+"""Explanation of a scene: every part with its size in the signal and its time per frame, and dropped effects."""
 
 import json
 from collections import Counter
@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from tactile.simulator.choice.auto_effects import Choice, candidates, choose
-from tactile.simulator.choice.estimate import Sample, sizes_in
+from tactile.simulator.auto_effects import Choice, choose
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene_file.file import bare_scene, scene_table
+from tactile.simulator.sizes import Sample, every_effect, sizes_in
 
 WORDS = {
     "MovingLoad": "load",
@@ -21,7 +21,7 @@ WORDS = {
     "SlidingTexture": "texture",
     "TractionMap": "map",
 }
-"""What the kinds of contact are called in a scene."""
+"""Names of the kinds of contact."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,8 @@ class ScenePart:
     """One part of a scene.
 
     ``size``: largest change of a reading, relative to the peak, when an effect alone is taken away or, where it is off,
-    added. Of a random one, and of one that the steps of a converter may make larger, it is ``at_most`` that: a bound
-    that all seeds but one in a million keep, and that holds wherever the steps lie. ``seconds``: measured time
-    per frame, None for what is off.
+    added; ``at_most``: it is an upper bound: of random effects for all seeds but one in a million, of fixed ones before
+    a converter for all positions of its steps. ``seconds``: measured time per frame, None for an effect that is off.
     """
 
     name: str
@@ -44,7 +43,7 @@ class ScenePart:
 
 @dataclass(frozen=True)
 class SceneExplanation:
-    """A scene taken apart: ``lines`` about contacts and methods, ``parts`` in the order in which they act."""
+    """Explanation of a scene: ``lines`` about contacts and methods, ``parts`` in the order in which they act."""
 
     title: str
     peak: float
@@ -55,10 +54,10 @@ class SceneExplanation:
 
 
 def explain_file(path: Path, write: Path | None = None) -> SceneExplanation:
-    """Explain the scene in a file; with ``write`` keep the effects that it chooses in a scene file of their own.
+    """Explain the scene in a file; with ``write`` also write a scene file with the chosen effects.
 
     Raises:
-        InputError: as ``read_scene``; ``write`` for a scene without effects = "auto", or where its files are not found.
+        InputError: as ``read_scene`` and ``write_choice``.
     """
     table = scene_table(path)
     scene, tolerance = bare_scene(table, str(path), path.parent)
@@ -71,28 +70,17 @@ def explain_file(path: Path, write: Path | None = None) -> SceneExplanation:
 
 
 def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
-    """Explain a scene; with a ``choice`` that one of its effects."""
-    effects = candidates(scene)
+    """Explain a scene, or the scene of a ``choice`` of its effects."""
+    effects = every_effect(scene)
     notes: list[str] = []
     if choice is not None:
         scene = choice.scene
         notes.append(
             f"effects chosen for a tolerance of {choice.tolerance:g} of the peak; error at most {choice.bound:.2g}"
         )
-        if not choice.tried:
-            notes.append(
-                f"all on: in {scene.samples} frames choosing would cost more than it may save; a choice to be kept "
-                "(--write) is made all the same"
-            )
-        if choice.tried and choice.together:
-            notes.append(f"on although small, for what is left out adds up: {', '.join(choice.together)}")
-        if choice.tried and choice.untried:
-            notes.append(
-                f"on, for a trial that could tell them smaller costs more than it may save: {', '.join(choice.untried)}"
-            )
-        if choice.tried and choice.left_out:
-            bounds = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
-            notes.append(f"left out, with the bound of their size: {bounds}")
+        if choice.left_out:
+            dropped = ", ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items())
+            notes.append(f"left out, with the bound of their size: {dropped}")
     notes += scene.range_notes
     sample = Sample(scene)
     on = dict(scene.effects)
@@ -111,9 +99,9 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
         notes.append(
             f"against the flat cover the bumps change the signal by up to {_departure(scene, sample):.2g} of its peak"
         )
-    sizes = sizes_in(scene, effects)
+    sizes = sizes_in(scene, effects, sample)
     if absurd := [name for name, _ in effects if name not in sizes]:
-        notes.append(f"without meaning in this scene at typical strength, and not measured: {', '.join(absurd)}")
+        notes.append(f"not computable in this scene at typical strength, not measured: {', '.join(absurd)}")
     for name, effect in effects:
         if name not in sizes:
             continue
@@ -133,12 +121,12 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
 def _cover(scene: Scene) -> str:
     if scene.bumps is not None:
         return str(scene.bumps)
-    said = f"to {scene.accuracy:g} of the peak" if scene.accuracy else "to rounding"
-    return f"elastic half-space, incompressible; {said}"
+    accuracy = f"to {scene.accuracy:g} of the peak" if scene.accuracy else "to rounding"
+    return f"elastic half-space, incompressible; {accuracy}"
 
 
 def _departure(scene: Scene, sample: Sample) -> float:
-    """How far the field lies from that of the same loads on a flat, endless cover, relative to the peak."""
+    """The largest difference from the field of the same loads on a half-space, relative to the peak."""
     flat = Sample(replace(scene, bumps=None)).fields
     gaps = [
         float(np.abs(one.values - other.values).max())
@@ -149,7 +137,7 @@ def _departure(scene: Scene, sample: Sample) -> float:
 
 
 def _describe(effect: Any) -> str:
-    """The effect as its table in a scene; what follows from other things (None) is not there."""
+    """The effect as its table in a scene, without values of None."""
     values = {key: (getattr(effect, attribute), factor) for key, (attribute, factor) in effect.KEYS.items()}
     return ", ".join(
         f"{key} = {value / factor:g}" if isinstance(value, float) else f"{key} = {json.dumps(value)}"
@@ -170,8 +158,7 @@ def _lines(scene: Scene) -> list[str]:
         )
         maps = [contact for contact in mine if isinstance(contact, HeightMap)]
         if maps and scene.bumps is None:
-            sure = [(name, effect) for name, effect in scene.effects if not effect.RANDOM]
-            (field,) = scene.affected([scene.skin.field(finger, np.zeros(1))], "field", sure, finger)
+            field = scene.fixed_field(scene.skin.field(finger, np.zeros(1)), finger)
             depth, bodies = field.taxels.depth, [one.on_dome(field.rig.curvature) for one in maps]
             lines += [f"height map on {array.name}: {one.described(field.medium, depth)}" for one in bodies]
     return lines

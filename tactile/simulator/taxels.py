@@ -9,7 +9,6 @@ from cnnsim.support import Floats, InputError
 from tactile.core.frame import SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.elastic.gauss import gauss
 from tactile.elastic.medium import Medium
-from tactile.simulator.altered import altered
 
 FINEST = 1e-7
 """The finest accuracy that is kept of layers and of taxels' areas."""
@@ -45,7 +44,7 @@ class Taxels:
 
     def raised(self, thicker: Floats) -> "Taxels":
         """The same under a cover that is thicker by so much (rows, cols) [m] still."""
-        return altered(self, thicker=thicker if self.thicker is None else self.thicker + thicker)
+        return replace(self, thicker=thicker if self.thicker is None else self.thicker + thicker)
 
     def feel(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool = False) -> Floats:
         """What they feel (frames, rows, cols, 3), to about so much of the peak.
@@ -80,7 +79,7 @@ class Taxels:
             weight = np.ones(self.thicker.shape)
             for other in np.delete(nodes, n).tolist():
                 weight *= (self.thicker - other) / (node - other)
-            level = altered(self, depth=self.depth + node, thicker=None)  # its axes are turned at the end
+            level = replace(self, depth=self.depth + node, thicker=None)  # its axes are turned at the end
             values = values + weight[..., None] * level._mean(
                 reading, replace(medium, thickness=medium.thickness + node), accuracy, at_once
             )

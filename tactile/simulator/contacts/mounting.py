@@ -9,7 +9,6 @@ from cnnsim.support import Floats
 from tactile.core.loads import COLUMNS, FORCE, PLACE, F
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, round_tip_radius
-from tactile.simulator.altered import altered
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Disc, Loads, point_loads
 
@@ -40,7 +39,7 @@ class Rig:
 
     def with_move(self, move: Move, needle: float) -> "Rig":
         """Return the mounting with one more move."""
-        return altered(self, moves=(*self.moves, (move, needle)))
+        return replace(self, moves=(*self.moves, (move, needle)))
 
     def moved(self, rows: Floats, body: Indenter, medium: Medium) -> Floats:
         """Return loads (frames, 5 or more) of a contact at its displaced places, with the forces of its own law."""

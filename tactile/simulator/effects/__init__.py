@@ -1,36 +1,15 @@
-"""Effects of a scene: one file each, imported only when a scene names it. A new one is a file and a name in MODULES.
+"""Effects of a scene: one file each, imported only when a scene names it. A new effect is a file and a name in MODULES.
 
-An effect is a frozen value as ``simulator.effect`` makes them, called with a stream (fields before the electronics,
-batches of frames after) and a random generator; it gives the stream back, changed. At strength zero it changes
-nothing. Its class says
+An effect is a frozen value made by ``simulator.effect``. It is called with a stream (fields before the electronics,
+batches of frames behind it) and a random generator, and yields the changed stream. Attributes of its class:
 
     STAGE   "field" or "frames": where in the chain it acts
     RANDOM  whether it draws random numbers
-    ASSUMED whether ``effects = "auto"`` takes a scene to have it that does not describe it; not so the faults of a
-            single array, which nobody can guess
-    NORMAL  whether what it changes is normally distributed, or nearly: such changes add up by their squares
-    PRICE   about what it takes in a run: time of a finger's recording [s], however short, and of every reading
     KEYS    the keys of its table in a scene: name -> (attribute, factor to SI units)
-    NONE    the attributes that make its strength zero, and their values then
+    NONE    the attributes that are strengths, with their values where the effect changes nothing
 
-and, so that ``effects = "auto"`` may leave it out,
-
-    reach(seen) -> float             an effect on frames: bound of what it changes, given bounds of the readings
-    strays(field, slopes, frames) -> float   a random one on fields: the same, for frames of a field
-    rises(frames) -> float           a random one that raises the surface under contacts: how far [m] at most
-    sticks                           a fixed one on fields with which bodies press otherwise, however they are pushed
-    smooths                          a fixed one on fields that averages them, and makes no reading larger
-    most(slopes) -> float            a fixed one on fields, a bound that needs no trial, whatever the others are, from
-                                     how fast readings of the skin without effects change from place to place
-    saves(points, layered) -> float  what leaving it out saves of a frame's time, where that is much or nothing, and
-                                     loads press at points or not, on a layer or not
-    passes(seen) -> float            where it lets a change before it grow: by how much at most
-    behind(seen) -> Seen             where the bounds do not grow by all that it changes: those behind it
-    grain(seen) -> float             where the smallest change before it may become a large one: that
-
-What holds of something random holds for all seeds but one in a million.
-
-Its attributes' defaults are typical values, which estimates use where a scene does not give any.
+``off`` of an effect: all its strengths are zero. The defaults of its attributes are typical values. ``effects =
+"auto"`` can drop an effect that has a bound in ``simulator.auto_effects``.
 """
 
 import importlib
@@ -79,15 +58,13 @@ ORDER = tuple(module.rpartition(".")[2] for module in MODULES)
 
 
 class Effect(Protocol):
-    """What all effects have in common: these attributes."""
+    """Attributes that every effect has."""
 
     STAGE: ClassVar[str]
     RANDOM: ClassVar[bool]
-    NORMAL: ClassVar[bool]
-    ASSUMED: ClassVar[bool]
-    PRICE: ClassVar[tuple[float, float]]
     KEYS: ClassVar[Mapping[str, tuple[str, float]]]
     NONE: ClassVar[Mapping[str, Any]]
+    off: bool
 
 
 def effect_class(name: str) -> type[Effect]:

@@ -1,18 +1,15 @@
 """Adhesion: rubber sticks to what touches it, so that a contact can pull until it snaps off."""
 
-import math
 from collections.abc import Iterable, Iterator
-from typing import ClassVar
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False, price=(2, 0))
+@effect("field")
 class Adhesion:
     """Spheres, needles and flat punches stick, with ``work`` [J/m^2] of adhesion.
 
@@ -25,13 +22,8 @@ class Adhesion:
     """
 
     work: float = parameter(0.05, key="work_j_m2", none=0.0)
-    sticks: ClassVar[bool] = True
-
-    def most(self, slopes: Slopes) -> float:
-        """Bound of the change: none of points, which do not stick; of bodies what a trial finds."""
-        return 0.0 if slopes.at_points else math.inf
 
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields with what sticks."""
         for field in stream:
-            yield altered(field, rig=altered(field.rig, work=self.work))
+            yield replace(field, rig=replace(field.rig, work=self.work))

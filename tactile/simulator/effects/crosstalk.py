@@ -1,16 +1,15 @@
 """Crosstalk: a taxel's channels mix with each other and with those of its neighbours."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen
 
 
-@effect("frames", price=(20, 8.6))
+@effect("frames")
 class Crosstalk:
     """Components gain ``cross_axis`` times the taxel's two others, then ``neighbour`` times the four neighbours'.
 
@@ -22,18 +21,6 @@ class Crosstalk:
 
     cross_axis: float = parameter(0.01, -1.0, 1.0, none=0.0)
     neighbour: float = parameter(0.005, -1.0, 1.0, none=0.0)
-
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change: two other components, and the neighbours that there are."""
-        across = 2 * abs(self.cross_axis)
-        return seen.largest * (across + (1 + across) * self._around(seen))
-
-    def passes(self, seen: Seen) -> float:
-        """By what a change before it may grow."""
-        return (1 + 2 * abs(self.cross_axis)) * (1 + self._around(seen))
-
-    def _around(self, seen: Seen) -> float:
-        return abs(self.neighbour) * sum(min(side - 1, 2) for side in seen.array.shape)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Mixed frames."""
@@ -48,4 +35,4 @@ class Crosstalk:
                 around[:, :, 1:] += values[:, :, :-1]
                 around[:, :, :-1] += values[:, :, 1:]
                 values = values + self.neighbour * around
-            yield altered(batch, values=values)
+            yield replace(batch, values=values)

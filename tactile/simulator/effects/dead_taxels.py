@@ -1,16 +1,15 @@
 """Dead and stuck taxels: they read nothing, or always the same."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter, within
-from tactile.simulator.seen import RARE, Seen
 
 
-@effect("frames", random=True, price=(19, 0.3))
+@effect("frames", random=True)
 class DeadTaxels:
     """Each taxel is dead with probability ``dead`` (reads 0) or stuck with probability ``stuck``.
 
@@ -24,16 +23,6 @@ class DeadTaxels:
     def __post_init__(self) -> None:
         within("stuck", self.stuck, 0.0, 1.0 - self.dead)
 
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change; none where no taxel is concerned, but for one in 1 / RARE seeds."""
-        dead, stuck = (1 - (1 - chance) ** seen.taxels > RARE for chance in (self.dead, self.stuck))
-        return max(seen.largest * dead, (seen.largest + seen.full_scale) * stuck)
-
-    def behind(self, seen: Seen) -> Seen:
-        """The bounds behind it: a silent taxel does not change, and a stuck one reads no more than full scale."""
-        most = max(seen.largest, seen.full_scale * (self.stuck > 0))
-        return seen._replace(largest=most, normal=(-most, most) if self.stuck > 0 else seen.normal)
-
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with silent taxels."""
         lot, level = np.zeros(0), np.zeros(0)
@@ -45,4 +34,4 @@ class DeadTaxels:
             values = batch.values.copy()
             values[:, dead] = 0
             values[:, stuck] = level[stuck]
-            yield altered(batch, values=values)
+            yield replace(batch, values=values)

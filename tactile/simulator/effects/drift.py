@@ -1,17 +1,15 @@
 """Drift: the zero of every channel wanders."""
 
-import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen, sigmas
 
 
-@effect("frames", normal=True, price=(20, 20))
+@effect("frames", random=True)
 class Drift:
     """Adds full scale * (``rate`` * s_c * t + ``walk`` * W_c(t)) to channel c, t from the first frame.
 
@@ -22,11 +20,6 @@ class Drift:
 
     rate: float = parameter(2e-4, key="rate_per_s", none=0.0)
     walk: float = parameter(2e-4, key="walk_per_sqrt_s", none=0.0)
-
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change; a walk goes as far before its end as at its end for one seed in two."""
-        spread = math.sqrt((self.rate * seen.duration) ** 2 + self.walk**2 * seen.duration)
-        return seen.full_scale * spread * sigmas(2 * 3 * seen.taxels)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with wandering zeros."""
@@ -46,4 +39,4 @@ class Drift:
             walked, last = offset[-1].copy(), float(batch.t[-1])
             offset *= self.walk
             offset += self.rate * (batch.t - start)[:, None, None, None] * slope
-            yield altered(batch, values=batch.values + batch.full_scale * offset)
+            yield replace(batch, values=batch.values + batch.full_scale * offset)

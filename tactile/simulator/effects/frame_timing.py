@@ -1,16 +1,15 @@
 """Frame timing: frames come early or late, twice, or not at all."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen, longest_run, sigmas
 
 
-@effect("frames", random=True, price=(48, 0.7))
+@effect("frames", random=True)
 class FrameTiming:
     """Host times are off by a normal ``jitter`` [s]; frames repeat the one before, or get lost, at random.
 
@@ -22,12 +21,6 @@ class FrameTiming:
     jitter: float = parameter(1e-4, key="jitter_ms", unit=1e-3, none=0.0)
     repeats: float = parameter(0.001, 0.0, 1.0, none=0.0)
     drops: float = parameter(0.001, 0.0, 1.0, none=0.0)
-
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change at the frames' own times, lost frames read by straight lines."""
-        late = self.jitter * seen.rate * sigmas(seen.frames) if self.jitter else 0.0
-        rows = sum(longest_run(chance, seen.frames) for chance in (self.repeats, self.drops))
-        return min(seen.change * (late + rows), 2 * seen.largest)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames as they arrive."""
@@ -50,4 +43,4 @@ class FrameTiming:
             if count:
                 fresh_values, fresh_sequence = values[-1], int(sequence[-1])
             keep = ~lost
-            yield altered(batch, t=t[keep], sequence=sequence[keep], values=values[keep], valid=batch.valid[keep])
+            yield replace(batch, t=t[keep], sequence=sequence[keep], values=values[keep], valid=batch.valid[keep])

@@ -1,19 +1,18 @@
 """Hysteresis: readings depend on whether the load grows or falls."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support.compiled_loops import kept_njit
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen
 
 PLAYS = 4
 
 
-@effect("frames", price=(5, 2.8))
+@effect("frames")
 class Hysteresis:
     """y = x + weight (mean of p_k - x), p_k a play of half-width k ``width`` / 4 of full scale, k = 1 .. 4.
 
@@ -27,11 +26,6 @@ class Hysteresis:
     weight: float = parameter(0.2, 0.0, 1.0, none=0.0)
     width: float = parameter(0.05)
 
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change: no play is off by more than its half-width, nor by more than the signal."""
-        widest = self.width * seen.full_scale
-        return self.weight * sum(min(k / PLAYS * widest, seen.largest) for k in range(1, PLAYS + 1)) / PLAYS
-
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames that lag."""
         plays = np.zeros((0, 0))
@@ -42,7 +36,7 @@ class Hysteresis:
             out = np.empty_like(flat)
             radii = np.arange(1, PLAYS + 1) / PLAYS * self.width * batch.full_scale
             _follow(flat, plays, radii, self.weight, out)
-            yield altered(batch, values=out.reshape(batch.values.shape))
+            yield replace(batch, values=out.reshape(batch.values.shape))
 
 
 @kept_njit()

@@ -1,16 +1,15 @@
 """Motor noise: the stepper motor's magnetic field, bursts of a high-frequency tone in all channels."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen
 
 
-@effect("frames", random=True, price=(30, 0.8))
+@effect("frames", random=True)
 class MotorNoise:
     """A tone of ``frequency`` [Hz] and ``amplitude`` (of full scale) that comes and goes in bursts.
 
@@ -25,10 +24,6 @@ class MotorNoise:
     frequency: float = parameter(1600.0, key="frequency_hz")
     duty: float = parameter(0.2, 0.0, 1.0)
     burst: float = parameter(0.1, 1e-6, key="burst_s")
-
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change."""
-        return self.amplitude * seen.full_scale * (self.duty > 0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with the tone."""
@@ -49,4 +44,4 @@ class MotorNoise:
                     until += random.exponential(self.burst if running else pause) if self.duty < 1 or running else 0.0
                 gate[n] = running
             tone = gate * self.amplitude * batch.full_scale * np.sin(2 * np.pi * self.frequency * batch.t + phase)
-            yield altered(batch, values=batch.values + tone[:, None, None, None])
+            yield replace(batch, values=batch.values + tone[:, None, None, None])

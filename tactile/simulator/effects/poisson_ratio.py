@@ -5,13 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.slopes import Slopes
 
 
-@effect("field", price=(2, 0))
+@effect("field")
 class PoissonRatio:
     """The cover's Poisson's ratio ``nu``; 1/2 is the paper's model and changes nothing.
 
@@ -23,15 +21,7 @@ class PoissonRatio:
 
     nu: float = parameter(0.49, 0.0, 0.5, none=0.5)
 
-    def most(self, slopes: Slopes) -> float:
-        """Bound of the change, of points alone; measured for the half-space and layers, not derived."""
-        return np.inf if not slopes.at_points else 3.0 * (1 - 2 * self.nu) * slopes.largest
-
-    def saves(self, points: bool, layered: bool) -> float:
-        """Nothing: another constant in the same formulae."""
-        return 0.0
-
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields in the compressible cover."""
         for field in stream:
-            yield altered(field, medium=replace(field.medium, nu=self.nu))
+            yield replace(field, medium=replace(field.medium, nu=self.nu))

@@ -1,18 +1,16 @@
 """Strain nonlinearity: rubber stiffens when pressed and softens when pulled."""
 
-import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen
 
 
-@effect("frames", price=(40, 9))
+@effect("frames")
 class StrainNonlinearity:
     """Normal readings follow neo-Hookean rubber in uniaxial load, by ``strength`` from 0 (linear) to 1.
 
@@ -26,26 +24,13 @@ class StrainNonlinearity:
 
     strength: float = parameter(1.0, 0.0, 1.0, none=0.0)
 
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change: it grows to both sides of zero."""
-        return (
-            self.strength
-            * seen.unit
-            * max(abs(_stretch_at(end / seen.unit) - 1 - end / seen.unit) for end in seen.normal)
-        )
-
-    def passes(self, seen: Seen) -> float:
-        """By what a change before it may grow: by the slope of the stretch, steepest where most is pulled."""
-        steepest = 3 / (1 + 2 * _stretch_at(seen.normal[1] / seen.unit) ** -3)
-        return 1 + self.strength * max(steepest - 1, 0.0)
-
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames of rubber."""
         for batch in stream:
             linear = batch.values[..., 2] / batch.unit
             values = batch.values.copy()
             values[..., 2] += self.strength * batch.unit * (stretch(linear) - 1 - linear)
-            yield altered(batch, values=values)
+            yield replace(batch, values=values)
 
 
 def stretch(linear: Floats) -> Floats:
@@ -55,16 +40,5 @@ def stretch(linear: Floats) -> Floats:
         step = (3 * linear - stretched + stretched**-2) / (1 + 2 * stretched**-3)
         stretched += step
         if (np.abs(step) <= 1e-15 * stretched).all():
-            break
-    return stretched
-
-
-def _stretch_at(linear: float) -> float:
-    """``stretch`` of one number, for which arrays are slow."""
-    stretched = 1 / math.sqrt(1 - 3 * linear) if linear < 0 else 1.0
-    for _ in range(40):
-        step = (3 * linear - stretched + stretched**-2) / (1 + 2 * stretched**-3)
-        stretched += step
-        if abs(step) <= 1e-15 * stretched:
             break
     return stretched

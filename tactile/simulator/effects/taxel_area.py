@@ -1,17 +1,15 @@
 """Taxel area: a taxel feels the mean over its area."""
 
 from collections.abc import Iterable, Iterator
-from typing import ClassVar
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.slopes import Slopes
 
 
-@effect("field", price=(90, 43))
+@effect("field")
 class TaxelArea:
     """Square taxels ``width`` [m] wide that average over their area; 0 for points.
 
@@ -23,17 +21,7 @@ class TaxelArea:
 
     width: float = parameter(300e-6, key="width_um", unit=1e-6, none=0.0)
 
-    smooths: ClassVar[bool] = True
-
-    def most(self, slopes: Slopes) -> float:
-        """Bound of the change."""
-        return slopes.over_square(self.width)
-
-    def saves(self, points: bool, layered: bool) -> float:
-        """Share of a frame's time: all is summed at several points of a taxel."""
-        return 0.5
-
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields as areas feel them."""
         for field in stream:
-            yield altered(field, taxels=altered(field.taxels, width=self.width))
+            yield replace(field, taxels=replace(field.taxels, width=self.width))

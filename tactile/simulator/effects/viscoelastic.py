@@ -1,19 +1,17 @@
 """Viscoelasticity: a Prony series between the elastic field and the readings."""
 
-import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.compiled_loops import kept_njit
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen
 
 
-@effect("frames", price=(28, 0.7))
+@effect("frames")
 class Viscoelastic:
     """Relaxation y = x - sum of g_i (x - h_i), or creep y = x + the same sum.
 
@@ -48,14 +46,6 @@ class Viscoelastic:
         ):
             raise InputError(f"parts = {pairs}, shares from 0 up with a sum of at most 1 and positive times wanted")
 
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change: x - h_i is a mean over the past, as far back as the recording goes."""
-        return sum(g * -math.expm1(-seen.duration / tau) for g, tau in self.parts) * seen.largest
-
-    def passes(self, seen: Seen) -> float:
-        """By what a change before it may grow."""
-        return 1 + sum(g for g, _ in self.parts)
-
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames with memory."""
         shares, times = np.array(self.parts).T
@@ -72,7 +62,7 @@ class Viscoelastic:
             out = np.empty_like(flat)
             recur(flat, before, inner, keep, take, shares, out)
             last = float(batch.t[-1]) if len(batch.t) else last
-            yield altered(batch, values=out.reshape(batch.values.shape))
+            yield replace(batch, values=out.reshape(batch.values.shape))
 
 
 @kept_njit()

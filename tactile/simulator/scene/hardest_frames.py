@@ -1,4 +1,4 @@
-"""The frames of a finger in which taxels may be strained most: how hard things press, and how near the taxels are."""
+"""The frames of a finger in which its taxels are strained most, by the forces and the distances of the loads."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,58 +12,60 @@ from tactile.elastic.halfspace import point_scale
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.moving_load import along_path
 from tactile.simulator.field import Field
-from tactile.simulator.slopes import BASE, VALUE
 
 FEW = 24
-"""Frames that are looked at: where several things press near several taxels the first is not always the worst."""
-AT_ONCE = 1 << 14
-"""Frames looked through at once."""
+"""Default number of frames: under several loads near several taxels the first is not always the worst."""
+CHUNK = 1 << 14
+"""Frames searched in one call."""
 STIFFER = 1.5
-"""Power of the indentation with which a body's force grows, about: it tells frames apart, no more."""
+"""Power of the indentation with which a body's force grows, approximately: used only to compare frames."""
+STRAIN = 2.0
+"""Largest strain at distance d under a point force P, over K |P| / d^2, in any direction of both."""
+BASE = 2.0
+"""Largest strain that a rigid base at depth h adds, over K |P| / h^2: for taxels at any depth and any Poisson's ratio.
+The largest is the normal strain on the base of an incompressible cover."""
 
 
 def most_strained(field: Field) -> float:
-    """Bound of the strain: of all that presses at its hardest in the field's frames right over a taxel at once.
+    """Upper bound of the strain: every contact with its largest force in these frames, all over one taxel at once.
 
-    Under a point force a strain is K |P| / d^2 times ``VALUE`` at most; a spread one, which is a sum of these, has no
-    larger peak. A base adds ``BASE`` K |P| / h^2, and a Poisson's ratio below 1/2 at most 3 (1 - 2 nu) of it.
+    Under a point force the strain is at most ``STRAIN`` K |P| / d^2; spread loads, which are sums of these, have no
+    larger peak. A base adds at most ``BASE`` K |P| / h^2, a Poisson's ratio below 1/2 at most 3 (1 - 2 nu) of both.
     """
     medium, thinner = field.medium, field.taxels.thicker
     depth = field.taxels.depth + (0.0 if thinner is None else float(thinner.min()))
     if depth <= 0 or field.bumps is not None:
         return np.inf
     scale = point_scale(depth, Medium(medium.modulus))[0]
-    share = VALUE["strain"] + BASE * (depth / medium.thickness) ** 2
+    share = STRAIN + BASE * (depth / medium.thickness) ** 2
     return float(scale * share * (1 + 3 * (1 - 2 * medium.nu)) * _hardest(field).sum())
 
 
-def hardest_frames(field: Field, frames: int, rate: float) -> Floats:
-    """Times [s] of a few of all frames: those with the largest sums of |P| / (d^2 + s^2), d from loads to taxels.
+def hardest_frames(field: Field, frames: int, rate: float, count: int = FEW) -> Floats:
+    """Times [s] of the ``count`` frames with the largest sums over the loads of |P| / (d^2 + s^2).
 
-    To the nearest of them; s^2, the mean square of how far a load is spread, is that where it presses hardest.
+    d is the distance to the nearest taxel, s^2 the mean square radius over which the load is spread at its hardest.
 
-    Arguments: ``field``: at times among which every load that follows a path is at its hardest once.
+    Arguments: ``field``: at times that include the largest force of every path.
     """
     most = [_strength(contact, field, hard) for contact, hard in zip(field.contacts, _hardest(field), strict=True)]
     spread = _spread(field)
     best, times = np.empty(0), np.empty(0)
-    for start in range(0, frames, AT_ONCE):
-        t = np.arange(start, min(start + AT_ONCE, frames)) / rate
+    for start in range(0, frames, CHUNK):
+        t = np.arange(start, min(start + CHUNK, frames)) / rate
         near = np.zeros(len(t))
         for strength, aside in zip(most, spread, strict=True):
             places, force = strength(t)
             near += force / (_squares(places, field.array) + aside)
         best, times = np.append(best, near), np.append(times, t)
-        first = np.argsort(-best, kind="stable")[:FEW]
+        first = np.argsort(-best, kind="stable")[:count]
         best, times = best[first], times[first]
     return np.sort(times)
 
 
 def _hardest(field: Field) -> Floats:
-    """The largest |P| [N] of every contact, of all that it presses, pulls and twists with one by one."""
+    """The largest |P| [N] of every contact: the sum of the sizes of all its loads."""
     loads = field.loads
-    if not (loads.discs or loads.twists or loads.patterns) and loads.points is loads.totals:
-        return np.asarray(_sizes(loads.totals[..., FORCE]).max(axis=0, initial=0.0))
     sums = np.zeros((loads.totals.shape[1], len(field.times)))
     np.add.at(sums, loads.owner, _sizes(loads.points[..., FORCE]).T)
     for disc in loads.discs:
@@ -77,7 +79,7 @@ def _hardest(field: Field) -> Floats:
 
 
 def _spread(field: Field) -> Floats:
-    """The mean square [m^2] of how far every contact is spread at its hardest; of circles half their radius squared."""
+    """The mean square radius [m^2] of every contact at its hardest; of a circle half its radius squared."""
     loads, square = field.loads, np.zeros(len(field.contacts))
     hard = np.abs(loads.totals[..., F]).argmax(axis=0)
     for disc in loads.discs:
@@ -95,7 +97,7 @@ def _spread(field: Field) -> Floats:
 
 
 def _strength(contact: Any, field: Field, hardest: float) -> Callable[[Floats], tuple[Floats, Floats]]:
-    """Where a contact is (n, 2) and about how hard it presses (n,) [N] at times; no law is asked for a path's."""
+    """Place (n, 2) and approximate force (n,) [N] of a contact at times; those of a path without its contact law."""
     path: Floats | None = getattr(contact, "path", None)
     if path is None:
 
@@ -104,7 +106,7 @@ def _strength(contact: Any, field: Field, hardest: float) -> Callable[[Floats], 
             return rows[:, PLACE], _sizes(rows[:, FORCE])
 
         return by_loads
-    if path.shape[1] < COLUMNS:  # a map that stays where it is
+    if path.shape[1] < COLUMNS:  # a map at a fixed place
         place, most = field.loads.totals[:1, field.contacts.index(contact), PLACE], float(np.abs(path[:, 1]).max()) or 1
 
         def by_strength(t: Floats) -> tuple[Floats, Floats]:
@@ -128,7 +130,7 @@ def _sizes(forces: Floats) -> Floats:
 
 
 def _squares(places: Floats, array: TaxelArray) -> Floats:
-    """The squared distance [m^2] from places (n, 2) on the surface to the nearest taxel."""
+    """Squared distance [m^2] from places (n, 2) on the surface to the nearest taxel."""
     square = np.full(len(places), array.depth**2)
     for axis, count in ((0, array.cols), (1, array.rows)):
         at = (places[:, axis] - array.origin[axis]) / array.pitch + (count - 1) / 2

@@ -1,4 +1,4 @@
-"""Where a scene leaves the range of its models: contacts that pull, sink in or spread too far, strains too large."""
+"""Range of a scene's models: warnings for dry contacts that pull, deep or wide contacts, and large strains."""
 
 import itertools
 from collections.abc import Iterator
@@ -12,39 +12,37 @@ from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS, Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
-from tactile.simulator.scene.reached import DEEP, Reached, TheScene, looked_at, may_reach_more, reached
+from tactile.simulator.scene.extremes import DEEP, Extremes, TheScene, checked_field, extremes, may_be_larger
 
 WIDE = 0.5
-"""Contact over body radius from which a parabola is no circle: at that width Hertz' force is 11 % too small under a
-sphere and 10 % under a cylinder."""
+"""Contact over body radius above which Hertz' law is reported: there its force is 11 % too small under a sphere, 10 %
+under a cylinder."""
 SQUEEZED = 0.95
-"""Of what a cylinder sinks in along its length, below which its middle sinks in less: the cover is squeezed out at its
-ends. Against rigid cylinders of 2 to 50 thicknesses solved on a grid its force at a depth was too small by 1 to 4 % at
-0.95, 4 to 13 % at 0.9, 14 % at 0.75, 25 % at 0.7 and a third to a half at 0.5, its stiffness by somewhat less."""
+"""Indentation of a cylinder's middle over the mean, below which the cover is squeezed out at its ends. Against rigid
+cylinders of 2 to 50 thicknesses solved on a grid, the force at a depth is too small by 1 to 4 % at 0.95, 4 to 13 % at
+0.9, 14 % at 0.75, 25 % at 0.7 and a third to a half at 0.5; the stiffness by somewhat less."""
 SQUEEZED_BY = 1.5
-"""Power of that share which is less than what is left of the force in all of these."""
+"""Power of that ratio which is a lower bound of the force over the true one in all of these."""
 SLIPS = 4.1
 """Contact radius over thickness up to which partial slip was compared with slip solved cell by cell (nu = 1/2 and 0.3,
-taxels at 0.3 to 1 of the thickness). What is felt of a first pull is off by 3 % at most, as on the half-space; of one
-that turns back, or changes together with the force, by 2.5 % of what is felt when all slides."""
+taxels at 0.3 to 1 of the thickness). Readings of a first pull are wrong by at most 3 %, as on the half-space; of one
+that turns back, or changes together with the force, by 2.5 % of the readings under full sliding."""
 STICKS = 0.5
-"""Contact radius over thickness from which a pull that a flat end sticks under is off by more than 2 %, being spread
-like the pressure. Against the traction that drags the circle as one, nu = 1/2, taxels at 0.3 of the thickness: 0.5 % at
-0.3, 13 % at 1, 38 % at 2 and half at 4; at nu = 0.3 it is 7, 20 and 18 % at 1, 2 and 4."""
+"""Contact radius over thickness above which readings of a pull on a sticking flat end, spread like its pressure, are
+wrong by more than 2 %. Against the traction that moves the circle rigidly, nu = 1/2, taxels at 0.3 of the thickness:
+0.5 % at 0.3, 13 % at 1, 38 % at 2 and half at 4; at nu = 0.3: 7, 20 and 18 % at 1, 2 and 4."""
 FLAT = 0.1
-"""Share of the indentation by which a curved cover may fall away from a flat end: about so much of its pressure."""
+"""Gap under a flat end on a curved cover, over the indentation, above which it is reported."""
 DOUBT = 0.02
-"""Share of its force that the cells of a height map may leave open. Of smooth bodies it is a cautious figure: they come
-out to 1 % where it is below."""
+"""Relative error of a height map's force by its cells above which it is reported: for smooth bodies the true error is
+at most 1 % below it."""
 
 
 def out_of_range(scene: TheScene) -> Iterator[str]:
-    """Say, a line each, where a scene's model is out of its range; it is computed all the same.
-
-    A contact that goes through the cover is an error where it is computed.
+    """Yield one line for each way in which a scene leaves the range of its models.
 
     Raises:
-        InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
+        InputError: strains above 1, or a contact wider than the sphere that makes it.
     """
     numbered = dict(enumerate((one for one in scene.contacts if isinstance(one, MovingContact)), 1))
     for finger in range(len(scene.arrays)):
@@ -52,21 +50,21 @@ def out_of_range(scene: TheScene) -> Iterator[str]:
 
 
 def _of_finger(scene: TheScene, finger: int, mine: dict[int, MovingContact]) -> list[str]:
-    """What is to be said of one finger; where what shakes contacts may change that, of every frame."""
-    field = looked_at(scene, finger)
+    """The lines of one finger: from a few frames, from all where random effects on fields may change the lines."""
+    field = checked_field(scene, finger)
 
-    def lines(found: Reached) -> list[str]:
+    def lines(found: Extremes) -> list[str]:
         return list(_lines(found, mine, field))
 
-    told = lines(reached([field]))
-    if not may_reach_more(scene, field, lambda more: lines(more) != told):
-        return told
-    every = scene.affected(scene.skin.fields(finger, scene.skin.pieces(finger)), "field", scene.effects, finger)
-    return lines(reached(itertools.chain([field], every)))
+    fixed = lines(extremes([field]))
+    if not may_be_larger(scene, field, lambda more: lines(more) != fixed):
+        return fixed
+    every = scene.affected(scene.skin.fields(finger, scene.skin.chunks(finger)), "field", scene.effects, finger)
+    return lines(extremes(itertools.chain([field], every)))
 
 
-def _lines(found: Reached, mine: dict[int, MovingContact], field: Field) -> Iterator[str]:
-    """What is to be said of one finger, given what its contacts and taxels reach."""
+def _lines(found: Extremes, mine: dict[int, MovingContact], field: Field) -> Iterator[str]:
+    """The lines of one finger with these extremes."""
     if field.bumps is None:
         for number, contact in mine.items():
             yield from _contact(contact, number, found, field)
@@ -83,7 +81,7 @@ def _lines(found: Reached, mine: dict[int, MovingContact], field: Field) -> Iter
         yield f"{field.array.name}: strains to {strain:.3g}; below {DEEP:g} wanted: the cover is taken to be linear"
 
 
-def _contact(contact: MovingContact, number: int, found: Reached, field: Field) -> Iterator[str]:
+def _contact(contact: MovingContact, number: int, found: Extremes, field: Field) -> Iterator[str]:
     body, name = field.rig.touching(contact.indenter), f"contact {number}, a {contact.indenter.shape}"
     push = contact.path[:, 1 + F]
     sticks = field.rig.work > 0 and body.shape in LAWS
@@ -97,14 +95,14 @@ def _contact(contact: MovingContact, number: int, found: Reached, field: Field) 
     if body is not contact.indenter:
         name += f" on a curved cover, like one of radius {body.radius * 1e3:.3g} mm"
     index = field.contacts.index(contact)
-    force, wide = float(found.forces[index]), float(found.wide[index])
+    force, wide = float(found.forces[index]), float(found.radii[index])
     yield from _size(name, force, wide, body, contact, field.medium)
     if field.rig.curvature and force > 0:
         yield from _fallen(name, body, force, field)
 
 
 def _map(body: HeightMap, medium: Medium) -> Iterator[str]:
-    """A height map that is pulled, pressed in too deep, or whose cells do not tell what it touches with."""
+    """Lines for a height map that is pulled, pressed in too deep, or has too large cells."""
     pull = -float(body.path[:, 1 + F].min())
     if pull > 0 and not body.given_depth:
         yield f"height map: pulled with {pull:.3g} N; a dry contact cannot pull: it lifts off"
@@ -136,7 +134,7 @@ def _sunk(name: str, deep: float, medium: Medium) -> Iterator[str]:
 def _size(
     name: str, force: float, wide: float, body: Indenter, contact: MovingContact, medium: Medium
 ) -> Iterator[str]:
-    """What is to be said of a body under so much force [N], a round contact ``wide`` [m]."""
+    """Lines for a body under this force [N] with a round contact of radius ``wide`` [m]."""
     push = np.array([force])
     deep = float(body.indentation(push, medium)[0])
     if contact.given_depth:
@@ -172,7 +170,7 @@ def _size(
 
 
 def _fallen(name: str, body: Indenter, force: float, field: Field) -> Iterator[str]:
-    """A curved cover that falls away from what is taken to be flat: an end, or a cylinder along its length."""
+    """Line for a curved cover under a flat end or along a cylinder, both of which are taken to be flat."""
     flat, where = {"flat_punch": (body.radius, "rim"), "cylinder": (body.length / 2, "ends")}.get(body.shape, (0.0, ""))
     falls, deep = field.rig.curvature * flat**2 / 2, float(body.indentation(np.array([force]), field.medium)[0])
     if falls > FLAT * deep:
@@ -183,7 +181,7 @@ def _fallen(name: str, body: Indenter, force: float, field: Field) -> Iterator[s
 
 
 def _dragged(name: str, over: float, contact: MovingContact) -> Iterator[str]:
-    """What slips from its rim inwards over a cover thinner than that was tried on."""
+    """Lines for tangential loads on covers thinner than those that the models were compared on."""
     pulls = np.hypot(contact.path[:, 1 + Q], contact.path[:, 1 + R]) > 0
     if contact.indenter.shape == "flat_punch" and pulls.any() and over > STICKS:
         yield (
@@ -200,7 +198,7 @@ def _dragged(name: str, over: float, contact: MovingContact) -> Iterator[str]:
 
 
 def _width(name: str, wide: float, extent: str, body: Indenter, taken: str) -> Iterator[str]:
-    """A contact too wide for Hertz' law, which takes round bodies for parabolic ones."""
+    """Line for a contact too wide for Hertz' law, which takes round bodies to be parabolic."""
     said = f"{name}: a contact {wide * 1e3:.3g} mm {extent} of a {body.shape} of radius {body.radius * 1e3:g} mm"
     if wide > body.radius:
         raise InputError(

@@ -16,10 +16,9 @@ from cnnsim.support.keywords import spelled
 from tactile.core.frame import Frame, TaxelArray
 from tactile.simulator.batch import Batch
 from tactile.simulator.contacts.moving_load import MovingLoad
-from tactile.simulator.effect import is_off
 from tactile.simulator.field import Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
-from tactile.simulator.scene.checks import check, check_effects, listed
+from tactile.simulator.scene.checks import check, listed
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.summation import ACCURACY
 
@@ -27,18 +26,18 @@ if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
 
 Item = TypeVar("Item")
-NOTHING = np.random.default_rng(0)
-"""What is drawn by effects that draw nothing: a generator of one's own takes longer than some of them."""
+UNUSED = np.random.default_rng(0)
+"""The generator of effects that are not random: making one takes longer than some of these effects."""
 FULL_SCALE = 0.1
-"""Largest strain the electronics are made for, unless a scene says otherwise: the paper's needle just reaches it."""
+"""Default of the largest strain the electronics are made for, reached by the paper's needle."""
 
 
 class ModelRangeWarning(UserWarning):
-    """A scene leaves the range of its models, and is computed all the same."""
+    """A scene is computed outside the range of its models."""
 
 
 def named_effects(effects: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
-    """Return effects with their names in the order in which they act; pairs of name and effect are left as they are."""
+    """Return (name, effect) pairs in the order in which the effects act; given pairs keep their order."""
     given = listed("effects", effects)
     if all(isinstance(one, tuple) for one in given):
         return tuple(given)
@@ -49,7 +48,7 @@ def named_effects(effects: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
 
 
 def under_covers(arrays: Iterable[TaxelArray], effects: Iterable[tuple[str, Any]]) -> tuple[TaxelArray, ...]:
-    """Return the arrays with the thickness that the effects give their covers, None without one: they have no end."""
+    """Return the arrays with the thickness of their covers by ``finite_thickness``, None for a half-space."""
     cover = dict(effects).get("finite_thickness")
     given = [(array, None if cover is None else cover.over(array)) for array in arrays]
     return tuple(array if array.thickness == thick else replace(array, thickness=thick) for array, thick in given)
@@ -59,19 +58,19 @@ def under_covers(arrays: Iterable[TaxelArray], effects: Iterable[tuple[str, Any]
 class Scene:
     """A simulated recording, as a ``Source``: every finger is sampled at the times k / rate, k = 0, 1, ...
 
-    ``rate`` [Hz], ``duration`` [s], ``modulus`` Young's modulus of the cover [Pa]; ``loads``: point loads,
-    ``contacts``: all else that presses; what acts on one finger adds. ``effects``: (name, effect) in the order in
-    which they act, none for the paper's ideal skin; effects alone, as ``make_effect`` gives them, are put in order.
-    ``full_scale``: the largest strain the electronics are made for. ``accuracy``: how far the field may be off, of its
-    peak, from 1e-7; 0 for the finest there is: rounding on a half-space. ``seed``: every effect of every
-    finger draws from a generator of its own, so that none changes with the others. ``bumps``: the cover has one over
-    every taxel, None for a flat one.
+    Arguments: ``rate`` [Hz]; ``duration`` [s]; ``modulus``: Young's modulus of the cover [Pa]; ``loads``: point loads;
+    ``contacts``: all other contacts. Loads and contacts on a finger add. ``effects``, as ``make_effect`` returns them,
+    are put in the order in which they act; pairs (name, effect) keep their order; none gives the paper's ideal skin.
+    ``full_scale``: the largest strain the electronics are made for. ``accuracy``: error of the field relative to its
+    peak, from 1e-7; 0 for the finest: rounding on a half-space. ``seed``: every effect of every finger draws from a
+    generator of its own, which does not depend on the other effects. ``bumps``: the shape of the cover with a bump over
+    every taxel, None for a flat cover.
 
-    When its frames are first asked for it warns, by `ModelRangeWarning`, of all that ``range_notes`` says.
+    Iterating warns by `ModelRangeWarning` of every line of ``range_notes``.
 
     Raises:
         InputError: a rate, duration or modulus that is not positive, no array or two of one name, an array of force,
-            a load or contact on a finger that is not there; with the first frame, what ``range_notes`` raises.
+            a load or contact on a missing finger; with the first frame, what ``range_notes`` raises.
     """
 
     title: str
@@ -98,8 +97,7 @@ class Scene:
             "title": title, "rate": rate, "duration": duration, "modulus": modulus,
             "arrays": under_covers(listed("arrays", arrays, TaxelArray), acting := named_effects(effects)),
             "loads": listed("loads", loads), "contacts": listed("contacts", contacts), "effects": acting,
-            "full_scale": full_scale, "seed": seed, "bumps": bumps,
-            "accuracy": accuracy,
+            "full_scale": full_scale, "seed": seed, "bumps": bumps, "accuracy": accuracy,
         }  # fmt: skip
         for name, value in given.items():
             object.__setattr__(self, name, value)
@@ -148,24 +146,26 @@ class Scene:
         )  # fmt: skip
 
     def loads_at(self, finger: int, times: Floats) -> Floats:
-        """Return the (times, contacts, 5) rows (x, y, Q, R, F) on a finger: what a localiser should find.
+        """Return the true loads (times, contacts, 5), rows (x, y, Q, R, F), on a finger.
 
-        On the cover as the effects make it, which says how hard a contact of a given depth presses; no random effect.
+        On the cover with all fixed effects, on which the force of a contact of given depth depends; without random
+        effects.
         """
-        sure = [(name, effect) for name, effect in self.effects if not effect.RANDOM]
-        (field,) = self.affected([self.skin.field(finger, times)], "field", sure, finger)
+        field = self.fixed_field(self.skin.field(finger, times), finger)
         return field.loads.totals
+
+    def fixed_field(self, field: Field, finger: int) -> Field:
+        """A field with the effects that are not random."""
+        fixed = [(name, effect) for name, effect in self.effects if not effect.RANDOM]
+        return next(self.affected([field], "field", fixed, finger))
 
     def random(self, name: str, finger: int) -> np.random.Generator:
         """The generator of one effect on one finger: `numpy.random.default_rng` of seed, finger and name."""
-        given: Any = self.seed, finger, zlib.crc32(name.encode())
-        if self.seed < 1 << 32:  # the same numbers as one array take half the time
-            given = np.array(given, np.uint32)
-        return np.random.Generator(np.random.PCG64(np.random.SeedSequence(given)))
+        return np.random.default_rng((self.seed, finger, zlib.crc32(name.encode())))
 
     def batches(self, finger: int) -> Iterator[Batch]:
         """The frames of one finger, many at a time: field, effects on it, effects on frames."""
-        fields = self.affected(self.skin.fields(finger, self.skin.pieces(finger)), "field", self.effects, finger)
+        fields = self.affected(self.skin.fields(finger, self.skin.chunks(finger)), "field", self.effects, finger)
         return self.affected((self.batch(finger, field) for field in fields), "frames", self.effects, finger)
 
     def affected(
@@ -173,8 +173,8 @@ class Scene:
     ) -> Iterator[Item]:
         """The fields or batches of one finger after those of the effects that act at this stage."""
         for name, effect in effects:
-            if stage == effect.STAGE and not is_off(effect):
-                stream = effect(stream, self.random(name, finger) if effect.RANDOM else NOTHING)
+            if stage == effect.STAGE and not effect.off:
+                stream = effect(stream, self.random(name, finger) if effect.RANDOM else UNUSED)
         return iter(stream)
 
     def batch(self, finger: int, field: Field) -> Batch:
@@ -192,7 +192,9 @@ class Scene:
 
     @cached_property
     def range_notes(self) -> tuple[str, ...]:
-        """Where the scene leaves the range of its models, a line each; who asks before the frames do tells it himself.
+        """One line for each way in which the scene leaves the range of its models.
+
+        Random effects on fields count by the frames that they give. Once read, iterating does not warn again.
 
         Raises:
             InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
@@ -200,7 +202,7 @@ class Scene:
         return tuple(out_of_range(self))
 
     def __iter__(self) -> Iterator[Frame]:
-        if "range_notes" not in self.__dict__:  # else they were told
+        if "range_notes" not in self.__dict__:
             for line in self.range_notes:
                 warnings.warn(f"{self.title}: {line}", ModelRangeWarning, stacklevel=2)
         streams = [self._frames_of(finger) for finger in range(len(self.arrays))]
@@ -211,21 +213,6 @@ class Scene:
             for k, (t, sequence) in enumerate(zip(batch.t.tolist(), batch.sequence.tolist(), strict=True)):
                 yield Frame(finger, t, sequence, batch.values[k], batch.valid[k])
 
-    def with_effects(self, effects: Iterable[tuple[str, Any]], accuracy: float | None = None) -> "Scene":
-        """The same scene with other effects, and with what was found out about it without any.
-
-        With another ``accuracy`` of the field, if one is given.
-        """
-        acting = named_effects(effects)
-        skin = self.skin if accuracy is None else self.skin.to_accuracy(accuracy)
-        made: Scene = object.__new__(type(self))
-        made.__dict__.update(
-            self.__dict__,
-            effects=acting,
-            arrays=under_covers(self.arrays, acting),
-            skin=skin,
-            accuracy=skin.accuracy,
-        )
-        made.__dict__.pop("range_notes", None)
-        check_effects(made)
-        return made
+    def with_effects(self, effects: Iterable[Any], accuracy: float | None = None) -> "Scene":
+        """Return the scene with other effects, and with another ``accuracy`` of the field if one is given."""
+        return replace(self, effects=effects, accuracy=self.accuracy if accuracy is None else accuracy)

@@ -56,7 +56,7 @@ def scene_from(table: dict[str, Any], where: str, folder: Path = Path()) -> Scen
     scene, tolerance = bare_scene(table, where, folder)
     if tolerance is None:
         return scene
-    from tactile.simulator.choice.auto_effects import choose  # only where called for
+    from tactile.simulator.auto_effects import choose  # only where called for
 
     return choose(scene, tolerance).scene
 

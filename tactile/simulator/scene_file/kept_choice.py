@@ -1,4 +1,4 @@
-"""A choice of effects kept as a scene file, in which the chosen ones are tables and nothing is chosen again."""
+"""Writing a choice of effects as a scene file, with its accuracy and a table for each chosen effect."""
 
 import re
 from pathlib import Path
@@ -8,19 +8,19 @@ from cnnsim.library.write import toml_value
 from cnnsim.support import InputError
 from cnnsim.support.files import write_text
 from cnnsim.support.toml_file import parse_toml
-from tactile.simulator.choice.auto_effects import Choice
+from tactile.simulator.auto_effects import Choice
 
 _HEADER = re.compile(r"\s*\[+\s*[\"'\w]")
 """A line that begins a table; rows of numbers begin with a digit, a sign or a bracket."""
 
 
 def write_choice(path: Path, table: dict[str, Any], choice: Choice | None, write: Path) -> None:
-    """Write the scene file at ``path``, parsed as ``table``, with the effects of its choice in place of "auto".
+    """Write the scene file at ``path``, parsed as ``table``, with the choice instead of "auto".
 
     Comments and all other tables stay as they are.
 
     Raises:
-        InputError: nothing was chosen; ``write`` is the scene itself; the scene reads files of its folder and ``write``
+        InputError: ``choice`` is None; ``write`` is the scene itself; the scene reads files of its folder and ``write``
             lies in another one; effects written in a way that cannot be taken out line by line.
     """
     if choice is None:
@@ -36,7 +36,10 @@ def write_choice(path: Path, table: dict[str, Any], choice: Choice | None, write
         if _HEADER.match(line):
             skipping = re.match(r"\s*\[\s*effect\s*[.\]]", line) is not None
         at_top = not any(map(_HEADER.match, lines))
-        if not skipping and not (at_top and re.match(r"\s*(effects|tolerance)\s*=", line)):
+        key = re.match(r"\s*(effects|tolerance|accuracy)\s*=", line) if at_top else None
+        if key and key[1] == "effects":
+            lines.append(f"accuracy = {toml_value(choice.scene.accuracy)}")
+        elif not skipping and not key:
             lines.append(line)
     out = "; ".join(f"{name} {size:.2g}" for name, size in choice.left_out.items()) or "none"
     lines += [
@@ -51,9 +54,13 @@ def write_choice(path: Path, table: dict[str, Any], choice: Choice | None, write
             if value is not None:
                 lines.append(f"{key} = {toml_value(value / factor if isinstance(value, float) else value)}")
     text = "\n".join(lines) + "\n"
-    rest = {key: value for key, value in table.items() if key not in ("effects", "tolerance", "effect")}
+    chosen = ("effects", "tolerance", "accuracy", "effect")
+
+    def rest(whole: dict[str, Any]) -> dict[str, Any]:
+        return {key: value for key, value in whole.items() if key not in chosen}
+
     try:
-        same = {key: value for key, value in parse_toml(text, str(write)).items() if key != "effect"} == rest
+        same = rest(parse_toml(text, str(write))) == rest(table)
     except InputError:
         same = False
     if not same:

@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+from cnnsim.support import InputError
 from cnnsim.support.error_list import ErrorList
+from cnnsim.support.toml_file import line_of
 
 TOP = (
     "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy",
@@ -27,7 +29,14 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 
 def check_scene_keys(table: dict[str, Any], faults: ErrorList) -> None:
     """Give the ``faults`` the keys that are unknown or missing in all tables of a scene."""
-    faults.check(table, TOP, "", ("title", "rate_hz", "duration_s", "cover", "finger"))
+    gone = [key for key in ("backend", "dtype") if key in table]
+    for key in gone:
+        with faults.collecting():
+            raise InputError(
+                f"{key} in a scene; none wanted: fields are computed on the CPU in float64; `tactile run "
+                f"--backend` chooses where the program runs{line_of(table, key)}"
+            )
+    faults.check(table, (*TOP, *gone), "", ("title", "rate_hz", "duration_s", "cover", "finger"))
     cover = table.get("cover", {})
     if "cover" in table:
         flat = not isinstance(cover, Mapping) or cover.get("kind", "flat") == "flat"

@@ -11,26 +11,25 @@ import numpy as np
 from cnnsim.support.command_line import watched
 from cnnsim.support.toml_file import read_toml
 from tactile.output.tradeoff_plot import draw_trades
-from tactile.simulator.choice.auto_effects import all_effects, choose
-from tactile.simulator.choice.estimate import Sample, Size, sizes_in
-from tactile.simulator.choice.tradeoff import Trade, trades
+from tactile.simulator.auto_effects import choose
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene_file.file import bare_scene
+from tactile.simulator.sizes import Sample, Size, sizes_in
+from tactile.simulator.tradeoff import Trade, trades
 from tests.benchmarks.accuracy.labels import label_points
 from tests.benchmarks.accuracy.section import Section
-from tests.kits.touch.random_scenes import error_of_seeds, everything, random_scene
+from tests.kits.touch.random_scenes import error_of_seeds, random_scene, random_touch
 
 Part = tuple[str, Size, float]
 """An effect, its size, and its time of a frame [s]."""
 SCENES = Path("examples/scenes")
-NAMES = ("grip", "needle", "textures")
+NAMES = ("needle", "textures")
 TOLERANCE = 0.02
-SAMPLES = 200
-ONE_RUN, REUSED = "one run", "reused"
+SAMPLES = (200, 2000)
 ROUNDS = 5
-"""Turns of which the best counts."""
+"""Timed runs, of which the best counts."""
 FRESH = 515_000
-"""Scenes from here on were never looked at when bounds were chosen."""
+"""First seed: scenes that were not used when bounds were chosen."""
 
 
 def section(cases: int) -> Section:
@@ -51,7 +50,7 @@ def section(cases: int) -> Section:
     ]  # fmt: skip
     near = {name: _at(trade, 0.03) for name, trade in found.items()}
     saved = ", ".join(f"{name} {found[name][0].seconds / one.seconds:.2g} x" for name, one in near.items())
-    kept = np.mean([one[REUSED]["error"] <= TOLERANCE for one in tries])
+    kept = np.mean([one["error"] <= TOLERANCE for tried in tries for one in tried.values()])
     answer = (
         f'Effects: effects = "auto" at a tolerance of 3 % of the peak computes faster than all effects by {saved}, and '
         f"kept one of {TOLERANCE:.0%} in {kept:.1%} of {cases} random scenes, each with three seeds."
@@ -67,39 +66,30 @@ def _at(trade: list[Trade], tolerance: float) -> Trade:
 
 
 def _parts(scene: Scene) -> list[Part]:
-    """Every effect, typical where the scene does not say: its size with all others on, its time of a frame [s]."""
-    effects = all_effects(scene)
-    whole = scene.with_effects(effects)
-    sizes, seconds = sizes_in(whole, effects), Sample(whole, 400).seconds(effects)
-    return [(name, sizes[name], seconds[name]) for name, _ in effects]
+    """Every effect of a scene: its size with all others on, its time per frame [s]."""
+    sizes, seconds = sizes_in(scene, scene.effects), Sample(scene, 400).seconds(list(scene.effects))
+    return [(name, sizes[name], seconds[name]) for name, _ in scene.effects]
 
 
-def _tried(random: np.random.Generator) -> dict[str, dict[str, float]]:
-    """What a choice for one run of a random scene does, and one that is reused: see ``_judged``."""
-    scene = random_scene(random)
-    scene = replace(scene, rate=SAMPLES / scene.duration)
-    whole = everything(scene)
-    _computed(whole)  # tables of layers are made once
-    return {name: _judged(scene, whole, name == REUSED) for name in (ONE_RUN, REUSED)}
+def _tried(random: np.random.Generator) -> dict[int, dict[str, float]]:
+    """The choice for a random scene, by its number of frames: see ``_judged``."""
+    scene = random_touch(random) if random.random() < 0.5 else random_scene(random)
+    return {frames: _judged(replace(scene, rate=frames / scene.duration)) for frames in SAMPLES}
 
 
-def _judged(scene: Scene, whole: Scene, reused: bool) -> dict[str, float]:
-    """Error of a choice, over the scene's own seed and two others, and times over that of all effects on."""
+def _judged(scene: Scene) -> dict[str, float]:
+    """Error of a choice, over the scene's own seed and two others, and times over that of all effects."""
+    for one in (scene, choose(scene, TOLERANCE).scene):  # tables of layers are made once
+        _computed(one)
     every = choosing = run = np.inf
-    _computed(choose(replace(scene), TOLERANCE, reused).scene)  # its tables, too
-    # by turns, for other work comes and goes, and both runs after a choice, for its code and theirs do not fit into the
-    # processor's first cache; a copy of a scene knows nothing yet, and what a choice finds out is there for the one run
-    # after it
     for _ in range(ROUNDS):
-        choose(replace(scene), TOLERANCE, reused)
-        every = min(every, _time(lambda: _computed(replace(whole)))[0])
-        spent, choice = _time(lambda: choose(replace(scene), TOLERANCE, reused))
+        every = min(every, _time(lambda: _computed(replace(scene)))[0])
+        spent, choice = _time(lambda: choose(replace(scene), TOLERANCE))
         choosing, run = min(choosing, spent), min(run, _time(partial(_computed, choice.scene))[0])
-    error = error_of_seeds(choice.scene, whole, (scene.seed, 7001, 7002))
-    left = len(choice.off - choice.bounds.zero)
+    error = error_of_seeds(choice.scene, scene, (scene.seed, 7001, 7002))
     return {
-        "error": error, "bound": choice.bound, "left out": left, "choosing": choosing, "run": run / every,
-        "sum": (choosing + run) / every,
+        "error": error, "bound": choice.bound, "left out": len(choice.left_out), "choosing": choosing,
+        "run": run / every, "sum": (choosing + run) / every,
     }  # fmt: skip
 
 
@@ -116,66 +106,56 @@ def _time(work: Any) -> tuple[float, Any]:
 
 
 _TEXT = """\
-For a tolerance `effects = "auto"` leaves out effects whose bounds together stay below it: bounds over the whole
-recording, and over all seeds but one in a million of what is random. Effects that the scene does not name count at
-typical strength. Errors are found over the whole recording and three seeds, against all effects on, relative to the
-ideal skin's peak.
+`effects = "auto"` computes the field with an error of a third of the tolerance, and drops effects whose upper bounds fit
+into the rest: over the whole recording, and for all seeds but one in a million. Errors are measured over the whole
+recording and three seeds, against all effects of the scene, relative to the ideal skin's peak.
 
-| scene | tolerance | error found | its bound | time of a frame | left out |
+| scene | tolerance | measured error | its bound | time of a frame | dropped |
 |---|---|---|---|---|---|
 {table}
 
-**What each effect adds**, with all others on, and its share of the time of a frame. Of what is random it is a bound
-over seeds, and of what is smaller than the steps of the converter one wherever these lie; a dead or stuck taxel is as
-large as the signal:
+**Size of each effect** with all others on, and its share of the time of a frame; random effects, and effects smaller
+than the steps of the converter, by an upper bound:
 
-| effect | {names} |
-|{rule}|
 {parts}
 
-**Random scenes**, {cases} of them, {samples} frames each, with any effect at any strength and seeds that were never
-looked at before, at a tolerance of {tolerance:g}. A choice for one run is made by bounds, and only where it may pay, told
-by the forces, the sizes of the arrays and what the effects take alone, and else leaves all on; unless the scene says
-another accuracy than the usual one it also computes the field to a twentieth of the tolerance, 1e-3 at most, or two or
-five times as roughly where so much of the tolerance is left. One that is reused
-(`tactile explain SCENE --write FILE`) is always made, with trials of the effects in doubt. Errors are the largest over the scene's own seed and two
-others; times are relative to those of all effects on, by turns.
+**Random scenes**, {cases} of them, points and bodies on 2 x 2 to 8 x 8 taxels, with any effect at any strength, at a
+tolerance of {tolerance:g}. Errors are the largest over the scene's own seed and two others; times are relative to those
+of all effects, in alternating runs.
 
-| choice | tolerance kept | largest error | bound over error, median | something left out | choosing, median | run, median | run, most | choosing and run, median | most | less than all on |
+| frames | tolerance kept | largest error | bound over error, median | something dropped | choosing, median | run, median | run, most | choosing and run, median | most | less than all effects |
 |---|---|---|---|---|---|---|---|---|---|---|
 {tries}"""  # noqa: E501  # a row of a table is one line
 
 
-def _row(name: str, tries: list[dict[str, float]]) -> str:
-    """How the choices of a kind did over all scenes."""
+def _row(frames: int, tries: list[dict[str, float]]) -> str:
+    """The choices of scenes with so many frames."""
     of = {key: np.array([one[key] for one in tries]) for key in tries[0]}
     wrong = of["error"] > 0
     loose = f"{np.median(of['bound'][wrong] / of['error'][wrong]):.1f}" if wrong.any() else "-"
     return (
-        f"| {name} | {np.mean(of['error'] <= TOLERANCE):.1%} | {of['error'].max():.2g} | {loose} "
+        f"| {frames} | {np.mean(of['error'] <= TOLERANCE):.1%} | {of['error'].max():.2g} | {loose} "
         f"| {np.mean(of['left out'] > 0):.0%} | {np.median(of['choosing']) * 1e3:.2g} ms "
         f"| {np.median(of['run']):.2f} x | {of['run'].max():.2f} x "
         f"| {np.median(of['sum']):.2f} x | {of['sum'].max():.2f} x | {np.mean(of['sum'] < 1):.0%} |"
     )
 
 
-def _text(found: dict[str, list[Trade]], parts: dict[str, list[Part]], tries: list[dict[str, dict[str, float]]]) -> str:
+def _text(found: dict[str, list[Trade]], parts: dict[str, list[Part]], tries: list[dict[int, dict[str, float]]]) -> str:
     table = []
     for name, trade in found.items():
         for one in trade[1:]:
             ratio, left = one.seconds / trade[0].seconds, len(one.left_out)
             time = f"{one.seconds * 1e6:.3g} us, {ratio:.2f} x"
             table.append(f"| {name} | {one.tolerance:g} | {one.error:.1e} | {one.bound:.1e} | {time} | {left} |")
-    lines = []
-    for rows in zip(*parts.values(), strict=True):
-        cells = []
-        for (_, size, seconds), whole in zip(rows, parts.values(), strict=True):
-            cells.append(f"{'<= ' * size.at_most}{size.change:.2g}, {seconds / sum(one[2] for one in whole):.0%}")
-        lines.append(f"| {rows[0][0]} | " + " | ".join(cells) + " |")
+    lines = ["| scene | effect | size | share of the time |", "|---|---|---|---|"]
+    for name, rows in parts.items():
+        whole = sum(seconds for _, _, seconds in rows)
+        for effect, size, seconds in rows:
+            lines.append(f"| {name} | {effect} | {'<= ' * size.at_most}{size.change:.2g} | {seconds / whole:.0%} |")
     return _TEXT.format(
-        table="\n".join(table), names=" | ".join(parts), rule="---|" * len(parts) + "---", parts="\n".join(lines),
-        cases=len(tries), tolerance=TOLERANCE, samples=SAMPLES,
-        tries="\n".join(_row(name, [one[name] for one in tries]) for name in (ONE_RUN, REUSED)),
+        table="\n".join(table), parts="\n".join(lines), cases=len(tries), tolerance=TOLERANCE,
+        tries="\n".join(_row(frames, [one[frames] for one in tries]) for frames in SAMPLES),
     )  # fmt: skip
 
 

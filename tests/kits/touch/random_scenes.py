@@ -1,4 +1,4 @@
-"""Scenes for the choice of effects: a needle over four taxels, with any effect at any strength."""
+"""Random scenes: loads and bodies over small arrays, with any effect at any strength."""
 
 from dataclasses import replace
 from typing import Any
@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from tactile.core.frame import TaxelArray
-from tactile.simulator.choice.auto_effects import all_effects
-from tactile.simulator.choice.estimate import Sample
+from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.effects import ORDER, effect_class, without
 from tactile.simulator.effects.crosstalk import Crosstalk
@@ -36,9 +36,10 @@ from tactile.simulator.effects.surface_waviness import SurfaceWaviness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.effects.viscoelastic import Viscoelastic
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.sizes import Sample
 
 QUIET = [(name, without(effect_class(name))) for name in ORDER]
-"""Every effect at strength zero: candidates that only a test turns up."""
+"""Every effect at strength zero."""
 CHIP = TaxelArray("chip", 2, 2, 4e-4, 2e-4)
 
 
@@ -95,9 +96,37 @@ def random_scene(random: np.random.Generator) -> Scene:
     return Scene("r", 50.0, duration, 2.4e6, (CHIP,), (MovingLoad(0, path),), (), tuple(chosen.items()), 0.15, seed)
 
 
-def everything(scene: Scene) -> Scene:
-    """The scene with all effects on."""
-    return scene.with_effects(all_effects(scene))
+def random_touch(random: np.random.Generator) -> Scene:
+    """The effects of a random scene on one to three loads and bodies over 2 x 2 to 8 x 8 taxels."""
+    scene, side = random_scene(random), int(random.choice([2, 4, 8]))
+    depth = float(random.choice([2e-4, 5e-4, 1e-3, 1.5e-3]))
+    pitch, scale, quantity = (
+        depth * float(random.choice([1, 1.5, 2])),
+        depth / 2e-4,
+        str(random.choice(["strain", "stress"])),
+    )
+    array = TaxelArray("pad", side, side, pitch, depth, quantity=quantity)
+    loads, bodies = list[MovingLoad](), list[MovingContact]()
+    for _ in range(int(random.integers(1, 4))):
+        path = np.zeros((4, 6))
+        path[:, 0] = scene.duration * np.arange(4) / 3
+        path[:, 1:3] = random.uniform(-1, 1, (4, 2)) * pitch * max(side - 1, 2) / 2
+        path[:, 5] = np.exp(random.uniform(np.log(2e-3), np.log(0.02), 4)) * scale**2
+        path[:, 3:5] = random.uniform(-0.3, 0.3, (4, 2)) * path[:, 5:]
+        shape = str(random.choice(["load", "load", "sphere", "flat_punch", "needle"]))
+        if shape == "load":
+            loads.append(MovingLoad(0, path))
+            continue
+        low, high = {"sphere": (2, 5), "flat_punch": (0.3, 1.5), "needle": (1, 2)}[shape]
+        path[:, 1:3] = path[0, 1:3]
+        friction = float(random.uniform(0.3, 0.8)) if random.random() < 0.5 else None
+        bodies.append(MovingContact(0, Indenter(shape, depth * random.uniform(low, high)), path, friction))
+    effects = {name: effect for name, effect in scene.effects if not effect.off}
+    if "finite_thickness" in effects:
+        effects["finite_thickness"] = FiniteThickness(effects["finite_thickness"].thickness * scale)
+    if "taxel_area" in effects:
+        effects["taxel_area"] = TaxelArea(min(effects["taxel_area"].width * scale, pitch))
+    return replace(scene, arrays=(array,), loads=tuple(loads), contacts=tuple(bodies), effects=tuple(effects.items()))
 
 
 def error(one: Scene, other: Scene) -> float:

@@ -1,19 +1,18 @@
 """Low pass: the anti-alias filter before the multiplexer."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.effects.viscoelastic import recur
-from tactile.simulator.seen import Seen
 
 ALL = np.ones(1)
 
 
-@effect("frames", assumed=False, price=(20, 0.9))
+@effect("frames")
 class LowPass:
     """A filter of first order with the time constant ``time`` [s] in every channel; 0 for none.
 
@@ -22,10 +21,6 @@ class LowPass:
     """
 
     time: float = parameter(1e-3, key="time_ms", unit=1e-3, none=0.0)
-
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change: it lags by its time constant."""
-        return min(seen.change * seen.rate * self.time, 2 * seen.largest)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Smoothed frames."""
@@ -40,4 +35,4 @@ class LowPass:
             late = np.empty_like(flat)
             recur(flat, before, lag, np.exp(-steps), grown, ALL, late)
             last = float(batch.t[-1]) if len(batch.t) else last
-            yield altered(batch, values=(flat - late).reshape(batch.values.shape))
+            yield replace(batch, values=(flat - late).reshape(batch.values.shape))

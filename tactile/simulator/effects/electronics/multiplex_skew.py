@@ -1,16 +1,15 @@
 """Multiplex skew: one converter reads the channels one after the other, not at once."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen
 
 
-@effect("frames", assumed=False, price=(20, 4.2))
+@effect("frames")
 class MultiplexSkew:
     """Channel k of n is read (n - 1 - k) ``slot`` [s] before the frame's time, at which the last one is; 0 for at once.
 
@@ -19,10 +18,6 @@ class MultiplexSkew:
     """
 
     slot: float = parameter(1e-5, key="slot_us", unit=1e-6, none=0.0)
-
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change."""
-        return seen.change * min(self.slot * (3 * seen.taxels - 1) * seen.rate, 1.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Skewed frames."""
@@ -39,4 +34,4 @@ class MultiplexSkew:
             previous = np.concatenate([before[None], batch.values[:-1]])
             before, last = batch.values[-1], float(batch.t[-1])
             share = np.minimum(early, steps) / steps
-            yield altered(batch, values=batch.values + share * (previous - batch.values))
+            yield replace(batch, values=batch.values + share * (previous - batch.values))

@@ -1,17 +1,16 @@
 """Taxel mismatch: no two taxels have the same gain, zero and ratio of shear to normal."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from tactile.core.frame import NORMAL
-from tactile.simulator.altered import altered
 from tactile.simulator.batch import Batch
 from tactile.simulator.effect import effect, parameter
-from tactile.simulator.seen import Seen, sigmas
 
 
-@effect("frames", normal=True, assumed=False, price=(24, 0.7))
+@effect("frames", random=True)
 class TaxelMismatch:
     """A taxel reads (1 + g) x + o in its normal component and (1 + g) (1 + b) x + o in its shears.
 
@@ -25,17 +24,6 @@ class TaxelMismatch:
     offset: float = parameter(0.002, none=0.0)
     beta_ns: float = parameter(0.02, none=0.0)
 
-    def reach(self, seen: Seen) -> float:
-        """Bound of the change."""
-        most = sigmas(6 * seen.taxels)
-        g, b = most * self.gain, most * self.beta_ns
-        return seen.largest * (g + b + g * b) + most * self.offset * seen.full_scale
-
-    def passes(self, seen: Seen) -> float:
-        """By what a change before it may grow."""
-        most = sigmas(6 * seen.taxels)
-        return (1 + most * self.gain) * (1 + most * self.beta_ns)
-
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
         """Frames as each taxel reads them."""
         gain, offset = np.zeros(0), np.zeros(0)
@@ -45,4 +33,4 @@ class TaxelMismatch:
                 gain = np.repeat(1 + self.gain * random.standard_normal((*shape, 1)), 3, axis=-1)
                 gain[..., :NORMAL] *= 1 + self.beta_ns * random.standard_normal((*shape, 1))
                 offset = self.offset * batch.full_scale * random.standard_normal((*shape, 3))
-            yield altered(batch, values=batch.values * gain + offset)
+            yield replace(batch, values=batch.values * gain + offset)

@@ -1,16 +1,15 @@
 """Cover error: the cover came out thicker or thinner than meant, and not evenly so."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False, price=(75, 14))
+@effect("field")
 class CoverError:
     """The cover is thicker by ``error`` [m] over the array's centre, and by a gradient along x and y.
 
@@ -23,14 +22,9 @@ class CoverError:
     gradient_x: float = parameter(5e-3, -1.0, 1.0, key="gradient_x_um_per_mm", unit=1e-3, none=0.0)
     gradient_y: float = parameter(0.0, -1.0, 1.0, key="gradient_y_um_per_mm", unit=1e-3, none=0.0)
 
-    def most(self, slopes: Slopes) -> float:
-        """Bound of the change: by the fall with depth."""
-        x, y = slopes.reach
-        return slopes.deeper(abs(self.error) + abs(self.gradient_x) * x + abs(self.gradient_y) * y)
-
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the cover as it is."""
         for field in stream:
             x, y = np.moveaxis(field.taxels.places - field.array.origin, -1, 0)
             thicker = self.error + self.gradient_x * x + self.gradient_y * y
-            yield altered(field, taxels=field.taxels.raised(thicker))
+            yield replace(field, taxels=field.taxels.raised(thicker))

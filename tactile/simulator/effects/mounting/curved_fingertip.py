@@ -1,17 +1,15 @@
 """Curved fingertip: a dome over a flat chip, to first order in its curvature."""
 
-import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False, price=(25, 13))
+@effect("field")
 class CurvedFingertip:
     """The cover's surface is a dome of ``radius`` [m] whose crown lies over the array's centre; infinite for a plane.
 
@@ -25,16 +23,9 @@ class CurvedFingertip:
 
     radius: float = parameter(0.05, 1e-9, key="radius_mm", unit=1e-3, none=np.inf)
 
-    def most(self, slopes: Slopes) -> float:
-        """Bound of the change: of thinner covers under points, which have no shape; of shapes none."""
-        if not slopes.at_points:
-            return math.inf
-        x, y = slopes.reach
-        return slopes.deeper((x * x + y * y) / (2 * self.radius))
-
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields under the dome."""
         for field in stream:
             apart = field.taxels.places - field.array.origin
             taxels = field.taxels.raised(-(apart**2).sum(axis=-1) / (2 * self.radius))
-            yield altered(field, taxels=taxels, rig=altered(field.rig, curvature=1 / self.radius))
+            yield replace(field, taxels=taxels, rig=replace(field.rig, curvature=1 / self.radius))

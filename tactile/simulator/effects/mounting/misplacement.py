@@ -1,17 +1,15 @@
 """Misplacement: the array lies a little aside, turned or tilted in its cover."""
 
-import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from tactile.simulator.altered import altered
 from tactile.simulator.effect import effect, parameter
 from tactile.simulator.field import Field
-from tactile.simulator.slopes import Slopes
 
 
-@effect("field", assumed=False, price=(80, 18))
+@effect("field")
 class Misplacement:
     """The array is displaced by (``shift_x``, ``shift_y``) [m], turned by ``turn`` [rad] and tilted.
 
@@ -27,17 +25,6 @@ class Misplacement:
     tilt_x: float = parameter(5e-3, -1.0, 1.0, none=0.0)
     tilt_y: float = parameter(0.0, -1.0, 1.0, none=0.0)
 
-    def most(self, slopes: Slopes) -> float:
-        """Bound of the change: by the slope across the surface, then the fall with depth, then the turn of the axes.
-
-        A shear of two components is at most sqrt(2) times the larger one.
-        """
-        x, y = slopes.reach
-        aside = math.hypot(self.shift_x, self.shift_y) + abs(self.turn) * math.hypot(x, y)
-        deeper = abs(self.tilt_x) * (x + aside) + abs(self.tilt_y) * (y + aside)
-        moved = slopes.across(aside) + slopes.deeper(deeper) * slopes.nearer(aside) ** 3
-        return moved + math.sqrt(2) * abs(self.turn) * (slopes.largest + moved)
-
     def __call__(self, stream: Iterable[Field], random: np.random.Generator) -> Iterator[Field]:
         """Fields at the taxels' true places."""
         for field in stream:
@@ -45,9 +32,9 @@ class Misplacement:
             c, s = np.cos(self.turn), np.sin(self.turn)
             x, y = c * apart[..., 0] - s * apart[..., 1], s * apart[..., 0] + c * apart[..., 1]
             centre = np.add(field.array.origin, (self.shift_x, self.shift_y))
-            taxels = altered(
+            taxels = replace(
                 field.taxels, places=np.stack([x, y], axis=-1) + centre, turn=field.taxels.turn + self.turn
             )
             if self.tilt_x or self.tilt_y:
                 taxels = taxels.raised(self.tilt_x * x + self.tilt_y * y)
-            yield altered(field, taxels=taxels)
+            yield replace(field, taxels=taxels)

@@ -32,7 +32,7 @@ PAD = TaxelArray("pad", 3, 5, 1e-3, Z)
 
 def affected(contact: Any, *effects: Any, array: TaxelArray = PAD, accuracy: float = 1e-4) -> Field:
     scene = Scene("s", 10.0, 0.1, 2.4e6, (array,), (), (contact,), effects, accuracy=accuracy)
-    (field,) = scene.affected(scene.skin.fields(0, scene.skin.pieces(0)), "field", scene.effects, 0)
+    (field,) = scene.affected(scene.skin.fields(0, scene.skin.chunks(0)), "field", scene.effects, 0)
     return field
 
 

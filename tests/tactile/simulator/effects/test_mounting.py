@@ -33,7 +33,7 @@ RUBBER = Medium(2.4e6)
 def under(*effects: Any, contact: Any = None) -> Field:
     load = contact or MovingLoad(0, np.array([(0.0, *LOAD)]))
     scene = Scene("s", 10.0, 0.1, 2.4e6, (ARRAY,), (), (load,), effects)
-    (field,) = scene.affected(scene.skin.fields(0, scene.skin.pieces(0)), "field", scene.effects, 0)
+    (field,) = scene.affected(scene.skin.fields(0, scene.skin.chunks(0)), "field", scene.effects, 0)
     return field
 
 

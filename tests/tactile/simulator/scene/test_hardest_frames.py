@@ -26,7 +26,7 @@ PAD = TaxelArray("pad", 3, 8, 1e-3, 5e-4)
 
 def strained(scene: Scene) -> float:
     """The largest reading of all frames, without electronics: a strain."""
-    fields = scene.affected(scene.skin.fields(0, scene.skin.pieces(0)), "field", scene.effects, 0)
+    fields = scene.affected(scene.skin.fields(0, scene.skin.chunks(0)), "field", scene.effects, 0)
     return max(float(np.abs(field.values).max()) for field in fields)
 
 

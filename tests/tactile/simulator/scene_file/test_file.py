@@ -48,11 +48,10 @@ def test_what_a_scene_does_not_name_is_not_imported(tmp_path: Path, extra: str, 
     loaded = {name.removeprefix("tactile.simulator.") for name in done.stdout.split()}
     effects = {name for name in loaded if name.startswith("effects.")}
     assert effects == ({module} if module else set())
-    unnamed = {f"scene.{name}" for name in ("auto", "explain", "estimate", "contact_tables")}
+    unnamed = {"auto_effects", "explain", "sizes", "scene_file.contact_tables"}
     unnamed |= {f"contacts.{name}" for name in ("sliding_texture", "materials", "traction_map")}
     unnamed |= {f"tactile.elastic.{name}" for name in ("discs", "lines")}
     assert not loaded & unnamed
-    assert ("tactile.elastic.layer_loads" in loaded) == (module == "effects.finite_thickness")
     assert ("effects" in loaded) == bool(module)
 
 
@@ -106,7 +105,7 @@ def test_very_many_loads_come_in_small_pieces(tmp_path: Path) -> None:
     np.save(tmp_path / "map.npy", np.ones((320, 320)))
     table = {"finger": "left", "file": "map.npy", "pitch_mm": 0.02, "path": [[0.0, 1.0]]}
     scene = made(tmp_path, map=[table])
-    assert max(len(times) for _, times in scene.skin.pieces(0)) < 10
+    assert max(len(times) for _, times in scene.skin.chunks(0)) < 10
     got = values(scene)
     assert np.isfinite(got).all()
     assert got[0] == pytest.approx(got[29], rel=1e-12)
