@@ -215,4 +215,4 @@ class Scene:
 
     def with_effects(self, effects: Iterable[Any], accuracy: float | None = None) -> "Scene":
         """Return the scene with other effects, and with another ``accuracy`` of the field if one is given."""
-        return replace(self, effects=effects, accuracy=self.accuracy if accuracy is None else accuracy)
+        return replace(self, effects=named_effects(effects), accuracy=self.accuracy if accuracy is None else accuracy)

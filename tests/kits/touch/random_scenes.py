@@ -1,7 +1,7 @@
 """Random scenes: loads and bodies over small arrays, with any effect at any strength."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -105,7 +105,7 @@ def random_touch(random: np.random.Generator) -> Scene:
         depth / 2e-4,
         str(random.choice(["strain", "stress"])),
     )
-    array = TaxelArray("pad", side, side, pitch, depth, quantity=quantity)
+    array = TaxelArray("pad", side, side, pitch, depth, quantity=cast(Any, quantity))
     loads, bodies = list[MovingLoad](), list[MovingContact]()
     for _ in range(int(random.integers(1, 4))):
         path = np.zeros((4, 6))
@@ -120,7 +120,7 @@ def random_touch(random: np.random.Generator) -> Scene:
         low, high = {"sphere": (2, 5), "flat_punch": (0.3, 1.5), "needle": (1, 2)}[shape]
         path[:, 1:3] = path[0, 1:3]
         friction = float(random.uniform(0.3, 0.8)) if random.random() < 0.5 else None
-        bodies.append(MovingContact(0, Indenter(shape, depth * random.uniform(low, high)), path, friction))
+        bodies.append(MovingContact(0, Indenter(cast(Any, shape), depth * random.uniform(low, high)), path, friction))
     effects = {name: effect for name, effect in scene.effects if not effect.off}
     if "finite_thickness" in effects:
         effects["finite_thickness"] = FiniteThickness(effects["finite_thickness"].thickness * scale)
