@@ -36,15 +36,25 @@ def working_planes(plan: Plan) -> float:
 
 
 def device_planes(plan: Plan) -> float:
-    """Return the planes that a transient on the opencl backend makes on the device besides those it is given: those of
-    `working_planes`, but inputs of several times lie there as they are given; and what terms of the input add to the
-    bias has a plane where there is no time loop.
+    """Return the planes that a transient on the opencl backend makes on the device in addition to those it is given.
+
+    A stepped transient of one stage makes w = B*u + z and two states. Other steps make, of states and of outputs, a
+    plane for each step of the longest delay and for up to two stages; w and its padded copy, or padded inputs; a sum of
+    stages; and the result.
     """
     if plan.method == "closed form":
-        return 2 if plan.template.control_terms else 1
-    if plan.method != "general":
+        return 9 if plan.template.control_terms else 1
+    stages = 1 if plan.scheme is None else len(plan.scheme.b)
+    if plan.method != "general" and stages == 1:
         return 3
-    return 3 + _delay(plan) + _local_weights(plan)
+    channels = [channel for table in _tables(plan) for channel in table.channels] if plan.network else []
+    delay = max((channel.ago for channel in channels if channel.quantity != "u"), default=0)
+    inputs = len({channel.ago for channel in channels if channel.quantity == "u"}) if plan.network else 1
+    ring = (delay + 2 if delay or stages == 1 else 1) + min(2, stages - 1)
+    rates = stages if plan.scheme is not None and plan.scheme.keeps_rates else 0
+    sums = 1 + rates if stages > 1 else 0
+    weights = _local_weights(plan) if plan.network else 0
+    return (1 if plan.cell == "discrete-time" else 2) * ring + sums + inputs + weights + 2
 
 
 def _delay(plan: Plan) -> int:

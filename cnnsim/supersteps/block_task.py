@@ -77,7 +77,7 @@ def backend_of(place: Place) -> tuple[BlockBackend, str]:
     """Return the backend of this process, and on OpenCL what its device is called: its own, if none was asked for."""
     if place.backend != "opencl":
         return backends.get(place.backend, place.dtype, place.device, 1 if place.backend == "cpu" else None), ""
-    from cnnsim.backends.opencl.device.own_device import own_device, title_of  # only there is pyopencl wanted
+    from cnnsim.backends.opencl.device.devices import own_device, title_of  # only there is pyopencl wanted
 
     own = own_device() if place.device is None else place.device
     found = backends.get(place.backend, place.dtype, None if own is None else str(own))

@@ -23,7 +23,7 @@ HASTY = {
     "backends/conformance/test_settled.py": ("opencl",),
     "backends/opencl/test_library.py": ("gpu",),
     "backends/opencl/test_memory.py": ("",),
-    "backends/opencl/test_stages.py": ("gpu", "read_where_they_are"),
+    "backends/opencl/test_stages.py": ("gpu",),
     "backends/opencl/test_transient.py": ("gpu", "periodic", "fixed"),
     "backends/opencl/test_sleep.py": ("hole-filler-zero-flux", "hole-filler-periodic"),
 }

@@ -1,7 +1,12 @@
-"""The OpenCL backend: planes live on a device, transients run there, only numbers and results come back."""
+"""The OpenCL backend: planes are on a device, transients run there, only numbers and results are transferred back.
+
+From `OpenCLBackend.transient` to the launch of a kernel: `driver.run`, ``advance`` in linear_steps.py (linear
+templates, one-stage schemes) or network_steps.py (all others), and `DeviceContext.enqueue`.
+"""
 
 from collections.abc import Sequence
 from typing import Any
+from weakref import finalize
 
 import numpy as np
 import pyopencl as cl
@@ -19,16 +24,23 @@ from cnnsim.backends.base import (
     outside,
     parse_dtype,
 )
-from cnnsim.backends.opencl.cellwise import text
-from cnnsim.backends.opencl.closed import closed_form
+from cnnsim.backends.opencl.control import closed_form, control
 from cnnsim.backends.opencl.device.build import boundary_defines
 from cnnsim.backends.opencl.device.context import device_context
 from cnnsim.backends.opencl.device.devices import Family, choose_device, family_of, has_float64, title
-from cnnsim.backends.opencl.drive import control
-from cnnsim.backends.opencl.planes import WORD, DevicePlane, LinearPlanes, buffers, launch, new_plane, words_of
+from cnnsim.backends.opencl.linear_steps import LinearSteps
+from cnnsim.backends.opencl.network_steps import DiscreteSteps, LinearStageSteps, NetworkSteps
+from cnnsim.backends.opencl.planes import (
+    WORD,
+    DevicePlane,
+    LinearPlanes,
+    buffers,
+    cellwise_text,
+    launch,
+    new_plane,
+    words_of,
+)
 from cnnsim.backends.opencl.settled import CheckedSteps
-from cnnsim.backends.opencl.term_steps import term_steps
-from cnnsim.backends.opencl.transient import linear_steps
 from cnnsim.network import Boundary, Characteristic
 from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
@@ -72,16 +84,19 @@ class OpenCLBackend(BlockBackend):
             host = np.zeros((*values.shape[:-1], words_of(values.shape[-1]) * 8), np.uint8)
             packed = np.packbits(values > 0, axis=-1, bitorder="little")
             host[..., : packed.shape[-1]] = packed
-        in_place = not copy and memory == "lam" and self._context.works_in(host.nbytes)
+        in_place = not copy and memory == "lam" and self._context.works_in_place(host.nbytes)
         kept, copied = cl.mem_flags.READ_ONLY | cl.mem_flags.USE_HOST_PTR, cl.mem_flags.READ_WRITE
         flags = kept if in_place else copied | cl.mem_flags.COPY_HOST_PTR
-        return DevicePlane(cl.Buffer(self._context.context, flags, hostbuf=host), values.shape, memory)
+        buffer = cl.Buffer(self._context.context, flags, hostbuf=host)
+        return DevicePlane(buffer, values.shape, memory, callers=in_place)
 
     def read(self, plane: DevicePlane, *, copy: bool = True) -> Array:
         words = plane.memory == "llm"
-        callers = plane.buffer.flags & cl.mem_flags.USE_HOST_PTR
-        if not (copy or words or callers) and self._context.works_in(plane.buffer.size):
-            return self._context.hand_out(plane.buffer, plane.shape)
+        if not (copy or words or plane.callers) and self._context.works_in_place(plane.buffer.size):
+            queue, write = self._context.queue, cl.map_flags.WRITE
+            array: Array = cl.enqueue_map_buffer(queue, plane.buffer, write, 0, plane.shape, self.dtype)[0]
+            finalize(array, id, plane.buffer).atexit = False  # its memory is in use as long as the array
+            return array
         row = words_of(plane.shape[-1]) * 8 if words else plane.shape[-1]
         host = np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)
         cl.enqueue_copy(self._context.queue, host, plane.buffer)
@@ -111,18 +126,17 @@ class OpenCLBackend(BlockBackend):
         with context.lock:
             u, bias, black = buffers(u), buffers(bias), buffers(mask)
             if plan.method == "general":
-                steps = term_steps(context, plan, grid, x.buffer, u, bias, black)
-                outcome = driver.run(plan, steps, steps.spans())
+                kind = DiscreteSteps if plan.cell == "discrete-time" else NetworkSteps
+                network = kind(context, plan, grid, x.buffer, u, bias, black)
+                outcome = driver.run(plan, network, network.spans())
             elif plan.method == "closed form":
                 outcome, fine = closed_form(context, plan, grid, x.buffer, u, bias, black)
             else:
+                assert plan.scheme is not None
                 w = control(context, plan, grid, u, bias)
-                outcome = driver.run(plan, linear_steps(context, plan, grid, LinearPlanes(x.buffer, w, black)))
-                context.recycle(w)
-            state = x
-            if outcome.x is not x.buffer:  # else no step was taken
-                state = DevicePlane(outcome.x, x.shape, "lam")
-                context.lend(state, outcome.x)
+                steps = LinearSteps if len(plan.scheme.b) == 1 else LinearStageSteps
+                outcome = driver.run(plan, steps(context, plan, grid, LinearPlanes(x.buffer, w, black)))
+            state = x if outcome.x is x.buffer else DevicePlane(outcome.x, x.shape, "lam")  # no step was taken, or some
             if plan.method != "closed form":
                 parts = launch(context, "finite", grid.cells, state.buffer, context.partial, np.int64(grid.cells))
                 fine = not context.parts(parts, context.dtype).any()
@@ -137,19 +151,17 @@ class OpenCLBackend(BlockBackend):
         with context.lock:
             u, bias = buffers(u), buffers(bias)
             if plan.method == "general":
-                steps = term_steps(context, plan, grid, x.buffer, u, bias, held)
+                steps = NetworkSteps(context, plan, grid, x.buffer, u, bias, held)
                 steps.start_span(0)
                 return steps.check_settled(0, last=True)
-            w = control(context, plan, grid, u, bias)
-            found = CheckedSteps(context, plan, grid, LinearPlanes(x.buffer, w, held)).check_settled(0, last=True)
-            context.recycle(w)
-            return found
+            planes = LinearPlanes(x.buffer, control(context, plan, grid, u, bias), held)
+            return CheckedSteps(context, plan, grid, planes).check_settled(0, last=True)
 
     def cellwise(
         self, operation: Cellwise, planes: Sequence[DevicePlane], parameters: Sequence[float]
     ) -> tuple[DevicePlane, ...]:
         with self._context.lock:
-            kernel = self._context.kernel("cellwise", "", {}, extra=text(operation))
+            kernel = self._context.kernel("cellwise", "", {}, extra=cellwise_text(operation))
             outputs = tuple(new_plane(self._context, planes[0].shape, "lam") for _ in operation.outputs)
             given = [plane.buffer for plane in (*planes, *outputs)]
             cells, number = planes[0].grid.cells, self._context.dtype.type

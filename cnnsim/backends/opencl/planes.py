@@ -1,4 +1,4 @@
-"""Planes on the device: numbers or bits, and what kernels are told of their shape."""
+"""Planes on the device: numbers or bits, their shape as kernel arguments, and kernels of per-cell operations."""
 
 import math
 from dataclasses import dataclass
@@ -9,6 +9,8 @@ import numpy as np
 from cnnsim.backends.base import Memory
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.network import Frames
+from cnnsim.operations.cellwise import Cellwise
+from cnnsim.support import InputError
 
 WORD = 64
 """Cells of an LLM plane in a word."""
@@ -33,12 +35,12 @@ class DeviceGrid(NamedTuple):
 
     @property
     def arguments(self) -> tuple[np.int64, np.int32, np.int32]:
-        """What kernels with neighbours are told."""
+        """Lines, rows and columns, for kernels with neighbours."""
         return np.int64(self.lines), np.int32(self.rows), np.int32(self.cols)
 
     @property
     def flat_arguments(self) -> tuple[np.int64, np.int32]:
-        """What kernels without neighbours are told."""
+        """Lines and columns, for kernels without neighbours."""
         return np.int64(self.lines), np.int32(self.cols)
 
 
@@ -52,11 +54,15 @@ class LinearPlanes(NamedTuple):
 
 @dataclass(frozen=True)
 class DevicePlane:
-    """A plane on the device: numbers (LAM), or bits in 64-bit words, a row beginning a new word (LLM)."""
+    """A plane on the device: numbers (LAM), or bits in 64-bit words, each row beginning a new word (LLM).
+
+    ``callers``: it is in an array of the caller.
+    """
 
     buffer: Buffer
     shape: tuple[int, ...]
     memory: Memory
+    callers: bool = False
 
     @property
     def grid(self) -> DeviceGrid:
@@ -75,11 +81,9 @@ def words_of(cols: int) -> int:
 
 
 def new_plane(context: DeviceContext, shape: tuple[int, ...], memory: Memory) -> DevicePlane:
-    """Return a plane that holds anything, in memory that comes back when nobody has the plane any more."""
+    """Return a plane with any contents."""
     row = shape[-1] * context.dtype.itemsize if memory == "lam" else words_of(shape[-1]) * 8
-    plane = DevicePlane(context.buffer(math.prod(shape[:-1]) * row), shape, memory)
-    context.lend(plane, plane.buffer)
-    return plane
+    return DevicePlane(context.buffer(math.prod(shape[:-1]) * row), shape, memory)
 
 
 def launch(context: DeviceContext, name: str, work: int, *arguments: Any) -> int:
@@ -88,7 +92,43 @@ def launch(context: DeviceContext, name: str, work: int, *arguments: Any) -> int
 
 
 def buffers(value: DevicePlane | Frames[DevicePlane] | None) -> Any:
-    """Return what a plane, or each plane of a sequence, is on the device."""
+    """Return the buffer of a plane, or a sequence of the buffers of a sequence of planes."""
     if isinstance(value, Frames):
         return value.map(lambda plane: plane.buffer)
     return None if value is None else value.buffer
+
+
+VECTORS = """#ifdef CPU
+#ifdef DOUBLE
+#define sqrt __builtin_sqrt
+#define fabs __builtin_fabs
+#else
+#define sqrt __builtin_sqrtf
+#define fabs __builtin_fabsf
+#endif
+#pragma clang loop vectorize(assume_safety)
+#endif
+"""
+"""Lets compilers make vectors of the cells on a CPU: PoCL calls functions for its own roots and absolute values, and
+forgets `restrict`. One cell at a time takes ten times as long."""
+
+
+def cellwise_text(operation: Cellwise) -> str:
+    """Return a kernel ``cellwise(inputs..., outputs..., parameters..., count)`` around an operation's text.
+
+    Raises:
+        InputError: the operation has no OpenCL text.
+    """
+    if not operation.opencl:
+        raise InputError(
+            f"cellwise operation {operation.name!r} has no OpenCL text; give it one (`Cellwise.opencl`), "
+            "or run on the cpu backend"
+        )
+    arguments = [f"__global const real *restrict in_{name}" for name in operation.inputs]
+    arguments += [f"__global real *restrict out_{name}" for name in operation.outputs]
+    arguments += [f"const real {name}" for name in operation.parameters] + ["const long count"]
+    lines = [f"const real {name} = in_{name}[cell];" for name in operation.inputs]
+    lines += [f"real {name};" for name in operation.outputs]
+    stores = [f"out_{name}[cell] = {name};" for name in operation.outputs]
+    body = "\n".join((*lines, operation.opencl, *stores))
+    return f"KERNEL void cellwise({', '.join(arguments)})\n{{\n{VECTORS}EACH(cell, count) {{\n{body}\n}}\n}}\n"

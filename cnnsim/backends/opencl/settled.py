@@ -4,23 +4,22 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import pyopencl as cl
 
 from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.opencl.control import tap_arguments
 from cnnsim.backends.opencl.device.build import boundary_defines, cell_defines
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.drive import tap_arguments
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 
 STRIPES, STRIPE_CELLS = 16, 16_384
-"""The most stripes that a check may take one by one, and the fewest cells in one."""
+"""The most stripes of lines in a check, and the fewest cells in one."""
 
 
 class CheckedSteps(Stepper):
-    """Steps that are checked stripe by stripe of lines, until one shows that the network has not settled.
+    """Steps that are checked stripe by stripe, until one shows that the network has not settled.
 
-    The next check begins where the last one ended: what moved there will mostly be moving still.
+    The next check begins at that stripe, where cells mostly still move.
     """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
@@ -28,47 +27,39 @@ class CheckedSteps(Stepper):
         self._x, self._w, self._mask = planes
         stripes = max(1, min(STRIPES, grid.cells // STRIPE_CELLS))
         self._ends = [grid.lines * stripe // stripes for stripe in range(stripes + 1)]
-        self._at, self.work = 0, grid.cells * len(plan.feedback_taps)
+        self._stripe, self.work = 0, grid.cells * len(plan.feedback_taps)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """Check the state; the rate is that of the stripes this took, of the ``last`` check that of all."""
+        """Check the state; the rate is that of the stripes looked at, of the ``last`` check that of all."""
         largest, unsaturated, saturation_ends = 0.0, False, self._plan.saturation_ends
         for _ in self._ends[1:]:
-            rate, here = self._stripe()
-            largest = float(np.maximum(rate, largest))  # NaN comes through
+            rate, here = self._check_stripe()
+            largest = float(np.maximum(rate, largest))  # NaN stays
             unsaturated |= here
             if not last and not largest <= SETTLED_RATE and (unsaturated or not saturation_ends):
                 return Check(largest)
-            self._at = (self._at + 1) % (len(self._ends) - 1)
+            self._stripe = (self._stripe + 1) % (len(self._ends) - 1)
         return Check(largest, saturation_ends and not unsaturated)
 
     @cached_property
-    def _check(self) -> tuple[Any, ...]:  # the kernel and its taps, built where the transient is to settle
+    def _kernel_and_taps(self) -> tuple[Any, ...]:  # built only where the transient is to settle
         defines = {**boundary_defines(self._plan.boundary), **cell_defines(self._plan, self._mask), "SETTLED": ""}
         taps = tap_arguments(self._context, self._plan.feedback_taps, self._plan.boundary.y)
         return self._context.kernel("check_settled", "boundary stencil", defines), *taps
 
-    def _stripe(self) -> tuple[float, bool]:
-        first, end = self._ends[self._at : self._at + 2]
-        (kernel, *taps), (_, *size), context = self._check, self._grid.arguments, self._context
+    def _check_stripe(self) -> tuple[float, bool]:
+        first, end = self._ends[self._stripe : self._stripe + 2]
+        (kernel, *taps), (_, *size), context = self._kernel_and_taps, self._grid.arguments, self._context
         parts = context.launch(
             kernel, (end - first) * self._grid.cols, self._x, self._w, self._mask, context.partial,
             np.int64(first), *taps, np.int64(end - first), *size,
         )  # fmt: skip
-        found = np.empty((parts, 2), context.dtype)
-        read = cl.enqueue_copy(context.queue, found, context.partial, is_blocking=False)
-        self.go_ahead()
-        read.wait()
-        rate, unsaturated = found.max(axis=0).tolist()
+        rate, unsaturated = context.parts(2 * parts, context.dtype).reshape(-1, 2).max(axis=0).tolist()
         return rate, bool(unsaturated)
 
-    def go_ahead(self) -> None:
-        """Give the device work for the time in which a check is read and judged."""
-        return
-
     def advance(self, step: int, count: int) -> None:
-        """Take no steps: this alone is for checks of a state."""
-        return
+        """See `Stepper.advance`; a check alone takes no steps."""
+        raise NotImplementedError
 
     def wait(self) -> None:
         """See `Stepper.wait`."""

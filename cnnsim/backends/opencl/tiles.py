@@ -1,11 +1,10 @@
-"""How a grid is cut into tiles that fit a core's cache or a GPU's local memory, for steps of a one-stage scheme."""
+"""Tiles of a grid that fit a core's cache or a GPU's local memory, for steps of a one-stage scheme."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
 import pyopencl as cl
 
-from cnnsim.backends.codes import BoundaryCode
 from cnnsim.backends.opencl.device.build import Defines
 from cnnsim.backends.opencl.device.context import DeviceContext
 from cnnsim.backends.opencl.device.devices import family_of
@@ -14,80 +13,61 @@ from cnnsim.backends.slices import PIECE
 from cnnsim.network import reach
 from cnnsim.planning.plan import Plan
 
-TILED_BOUNDARIES = BoundaryCode.FIXED, BoundaryCode.ZERO_FLUX, BoundaryCode.PERIODIC
-"""Boundaries that the kernels of tiles (cpu.cl, gpu.cl, sleep.cl) know; with any other, steps go by stages."""
-TILE_BYTES = 2048
-"""Length of a tile's row on a CPU. Measured: with 1 KiB and with 4 KiB the transient is 6 to 18 % slower."""
 ROWS = 4
-"""Rows that a level of a tile steps at a time on a CPU, as in block.cl: with the outputs around them, their states and
-drives they fit a first-level cache of 48 KiB. Measured: with 3 and with 5 no faster."""
+"""Rows that a level of a tile steps at a time on a CPU, R in block.cl."""
+ROW_BYTES, SMALL_ROW_BYTES = 2048, 512
+"""Length of a tile's row on a CPU, and of a tile that may sleep."""
+SMALL_ROWS = 32
+"""Rows of a tile that may sleep."""
 SCRATCH = 1 << 19
 """The most bytes of a tile's rows on a CPU: half of a second-level cache of 1 MiB."""
-FEW_CELLS = 1 << 12
-"""Cells of a grid up to which a row is stepped at a time. Measured: a template's first run takes 0.3 s of 2 less, every
-other one as long, or up to half as long again for 64 x 64 cells (of 3 ms for 2000 steps)."""
-SLEEPER = 64, 512
-"""Rows, and bytes of a row, of a tile that may sleep on a CPU: small, so that many can."""
-LIGHT_SLEEPER = 16, 256
-"""The same where most of them sleep."""
-STACK = 8
-"""Light sleepers below each other that a work-item does: rows around those awake are computed again once for all."""
-NAP = 10
-"""Cells around a light sleeper that wake it, at most. Measured on a picture of 1024 x 1024 with holes: with 5, where
-less area is computed in twice as many launches, it takes a fifth longer."""
 LOCAL_BYTES = 48 * 1024
-"""Local memory of a work-group on a GPU: what every one has without asking for more."""
+"""Local memory of a work-group on a GPU that every device offers."""
+QUICK = 4
+"""Sums that the steps of tiles do in the time of one elsewhere, since they read from the cache."""
 
 _STEPS = {"cpu": (24, 24, 8, 4, 2), "gpu": (4, 4, 2, 1, 1)}
 """The most steps a launch for radius 0, 1, 2, 3 and more."""
 
 
 class Tiles(NamedTuple):
-    """How to launch: sizes, the steps of a launch, and what the kernels need to know, built in or as arguments.
+    """How to launch: the ``number`` of tiles, a work-group each, the ``steps`` of a launch, and the kernel's arguments.
 
-    A work-group does one tile, or a stack of some; ``number`` is that of the tiles.
+    ``around``: how many tiles below each other and beside each other have all cells that a launch reads.
     """
 
     number: int
     steps: int
     defines: Defines
     arguments: tuple[Any, ...]
-    groups: int
-    global_size: tuple[int, int]
     local_size: tuple[int, int]
+    around: tuple[Any, Any] = (np.int32(1), np.int32(1))
+    quick: int = QUICK
+
+    def global_size(self, count: int) -> tuple[int, int]:
+        """Return the global size for so many tiles."""
+        return count * self.local_size[0], self.local_size[1]
 
 
-def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan, *, light: bool = False) -> Tiles:
-    """Cut grids into tiles; steps that come at a stretch go in launches of about equal length.
-
-    With the saving "sleep", tiles in which no output can change are to be left out, so they should be small; on a CPU
-    they are smaller still, and cost more, where sleep is ``light``.
-    """
-    radius, steps, sleep = reach((tap.k, tap.l) for tap in plan.feedback_taps), 1, "sleep" in plan.savings
+def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan, *, small: bool = False) -> Tiles:
+    """Cut grids into tiles, and steps into launches of about equal length; ``small`` tiles can sleep, on a CPU."""
+    radius, steps = reach((tap.k, tap.l) for tap in plan.feedback_taps), 1
     if "blocking" in plan.savings:
         steps = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
     most = _STEPS[context.family][min(radius, 4)]
-    if light:
-        most = min(most, max(1, NAP // max(1, radius)))
     launches = -(-steps // most)
-    if 0 < launches <= 4:  # no rows and columns that only longer launches need; later on no kernel of its own
+    if 0 < launches <= 4:  # only longer runs need wider halos; from there on they share a kernel
         most = -(-steps // launches)
-    if context.family == "cpu":
-        row_bytes = LIGHT_SLEEPER[1] if light else SLEEPER[1] if sleep else TILE_BYTES
-        lowest = (LIGHT_SLEEPER if light else SLEEPER)[0] if sleep else None
-        tiles = _bands(context, grid, plan, radius, most, row_bytes // context.dtype.itemsize, lowest)
-    else:
-        tiles = _squares(context, grid, radius, most)
+    tiles = (_bands if context.family == "cpu" else _squares)(context, grid, plan, radius, most, small)
     launches = -(-steps // tiles.steps)
     return tiles._replace(steps=-(-steps // launches)) if launches else tiles
 
 
 def _bands(
-    context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, widest: int, lowest: int | None
+    context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, small: bool, widest: int = 0
 ) -> Tiles:
-    grids, rows, cols = grid
-    lanes, size = context.lanes, context.dtype.itemsize
-    height = ROWS if rows * cols > FEW_CELLS else 1
+    (grids, rows, cols), lanes, size = grid, context.lanes, context.dtype.itemsize
+    widest = widest or (SMALL_ROW_BYTES if small else ROW_BYTES) // size
     across = -(-cols // widest)
     if across == 1:  # the tile has all columns: nothing but virtual cells beside it
         halo, shift, length = 0, lanes, lanes
@@ -101,29 +81,32 @@ def _bands(
     width = cols if across == 1 else _whole(cols, across, lanes)
     across = -(-cols // width)
     down = -(-8 * context.cores // (grids * across))  # so many tiles that no core waits long for the last one
-    down = max(down, -(-rows * width * most * len(plan.feedback_taps) // PIECE))  # soon done: a stop is heard
+    down = max(down, -(-rows * width * most * len(plan.feedback_taps) // PIECE))  # short enough for an interrupt
     down = min(down, rows // (8 * most * max(1, radius)), rows * width // 16384)
-    if lowest is not None:  # a band has at least the rows that one launch reads of the next
-        down = max(down, rows // max(lowest, most * radius))
+    if small:  # a band has at least the rows that one launch reads of the next
+        down = max(down, rows // max(SMALL_ROWS, most * radius))
     down = max(1, down)
-    band = _whole(rows, down, height)
+    band = _whole(rows, down, ROWS)
     down = -(-rows // band)
-    stack = STACK if lowest == LIGHT_SLEEPER[0] else 1
     room = min(SCRATCH, context.device.local_mem_size) // (stride * size) - 5 * most * radius
-    slide = min(room // 4, stack * band + 2 * most * radius)  # rows that come in before the live ones are moved up
-    live = most * radius + slide
-    defines: dict[str, str | int] = {"R": height, "T": most, "HALO": halo, "SHIFT": shift, "STRIDE": stride}
-    defines["STACK"] = stack
-    if plan.boundary.kind == "periodic" and across > 1:
-        defines["COPIES"] = ""
-    if slide < height:  # no room: fewer steps a launch, but rather narrower tiles than fewer than four
+    slide = min(room // 4, band + 2 * most * radius)  # rows that come in before the live ones are moved up
+    if slide < ROWS:  # no room: fewer steps a launch, but rather narrower tiles than fewer than four
         narrower = most <= 4 and widest > 2 * lanes
         most, widest = (most, widest // 2) if narrower else (most - 1, widest)
-        return _bands(context, grid, plan, radius, most, widest, lowest)
+        return _bands(context, grid, plan, radius, most, small, widest)
+    live = most * radius + slide
+    defines: dict[str, str | int] = {"T": most, "HALO": halo, "SHIFT": shift, "STRIDE": stride}
+    torus = plan.boundary.kind == "periodic"
+    if torus and across > 1:
+        defines["COPIES"] = ""
     scratch = cl.LocalMemory((most * radius + 4 * live) * stride * size)
     numbers = np.array([live, rows, cols, width, band, across, down], np.int32)
-    groups = grids * across * -(-down // stack)
-    return Tiles(grids * across * down, most, defines, (scratch, *numbers), groups, (groups, 1), (1, 1))
+    # round a torus past a short last tile
+    around = [1 + (torus and rows - (down - 1) * band < most * radius), 1]
+    around[1] += torus and cols - (across - 1) * width < most * radius
+    return Tiles(
+        grids * across * down, most, defines, (scratch, *numbers), (1, 1), (np.int32(around[0]), np.int32(around[1]))
+    )
 
 
 def _whole(length: int, parts: int, unit: int) -> int:
@@ -131,13 +114,12 @@ def _whole(length: int, parts: int, unit: int) -> int:
     return -(-length // (parts * unit)) * unit
 
 
-def _squares(context: DeviceContext, grid: DeviceGrid, radius: int, most: int) -> Tiles:
-    grids, rows, cols = grid
-    halo = most * radius
+def _squares(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, small: bool) -> Tiles:
+    (grids, rows, cols), halo = grid, most * radius
     limit = min(LOCAL_BYTES, context.device.local_mem_size)
     best: tuple[float, int, int] = (0.0, 0, 0)
     on_gpu = family_of(context.device) == "gpu"
-    for wide, high in ((64, 64), (64, 32), (32, 32)) if on_gpu else ((32, 16),):  # elsewhere to be tested: small
+    for wide, high in ((64, 64), (64, 32), (32, 32)) if on_gpu else ((32, 16),):  # small where it is only tested
         bytes_ = 2 * (wide + 2 * radius) * (high + 2 * radius) * context.dtype.itemsize
         useful = (wide - 2 * halo) * (high - 2 * halo) / (wide * high) if high > 2 * halo else 0.0
         if bytes_ <= limit and useful > best[0]:
@@ -148,6 +130,4 @@ def _squares(context: DeviceContext, grid: DeviceGrid, radius: int, most: int) -
     across, down = -(-cols // (wide - 2 * halo)), -(-rows // (high - 2 * halo))
     defines: dict[str, str | int] = {"R": column, "T": most, "HALO": halo, "WIDE": wide, "HIGH": high}
     numbers = np.array([rows, cols, across, down], np.int32)
-    local = wide, high // column
-    count = grids * across * down
-    return Tiles(count, most, defines, tuple(numbers), count, (count * wide, local[1]), local)
+    return Tiles(grids * across * down, most, defines, tuple(numbers), (wide, high // column))

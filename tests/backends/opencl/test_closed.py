@@ -1,4 +1,4 @@
-"""The closed form on OpenCL: several rows of an input at once, with all kinds of rims, masks and states."""
+"""The closed form on OpenCL, with all kinds of rims, masks and states; memory that is used again."""
 
 from typing import Any
 
@@ -7,13 +7,14 @@ import pytest
 
 from cnnsim import Template, fixed
 from cnnsim.backends import get
+from cnnsim.operations.cellwise import BUILT_IN
 from cnnsim.task import make_task
 from tests.kits.opencl import OpenCLBackend
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
 @pytest.mark.parametrize("cell", ["chua-yang", "full-range"])
-def test_rows_that_are_driven_at_once_end_as_one_by_one(cell: Any, dtype: str) -> None:
+def test_cells_end_as_on_the_reference(cell: Any, dtype: str) -> None:
     """Quarters, so that cells start on both sides of 1, right on it, and where their rate is 0."""
     backend, law, rng = OpenCLBackend(dtype), get("reference", "float64"), np.random.default_rng(6)
     widest = 4 if cell == "full-range" else 6
@@ -31,24 +32,18 @@ def test_rows_that_are_driven_at_once_end_as_one_by_one(cell: Any, dtype: str) -
         assert np.allclose(ours, theirs, rtol=0, atol=2e-6 if dtype == "float32" else 1e-14)
 
 
-def test_planes_that_nobody_has_any_more_are_written_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    from cnnsim.operations.cellwise import BUILT_IN
-
+def test_the_memory_of_planes_without_a_name_is_used_again() -> None:
     backend = OpenCLBackend()
-    plane = backend.load(np.ones((1031, 1033), np.float32), "lam")  # 4 MiB and more: smaller memory is soon there
-    context, made = backend._context, list[int]()
-    new = context.new
-
-    def counted(size: int) -> Any:
-        made.append(size)
-        return new(size)
-
-    monkeypatch.setattr(context, "new", counted)
+    plane, pool = backend.load(np.ones((1031, 1033), np.float32), "lam"), backend._context._pool
+    add, used = BUILT_IN["add"], set[int]()
     for _ in range(3):
-        total = backend.cellwise(BUILT_IN["add"], [plane, plane], ())[0]
+        total = backend.cellwise(add, [plane, plane], ())[0]
         assert backend.read(total)[-1, -1] == 2
         del total
-    kept = backend.cellwise(BUILT_IN["add"], [plane, plane], ())[0]
-    backend.cellwise(BUILT_IN["add"], [kept, plane], ())
-    assert backend.read(kept)[0, 0] == 2
-    assert made == [4 * 1031 * 1033] * 2
+        used.add(pool.managed_bytes)
+    assert len(used) == 1
+    kept = backend.cellwise(add, [plane, plane], ())[0]
+    array = backend.read(backend.cellwise(add, [kept, plane], ())[0], copy=False)
+    backend.cellwise(add, [plane, array_plane := backend.load(np.zeros(plane.shape), "lam")], ())
+    assert backend.read(array_plane)[0, 0] == 0
+    assert (backend.read(kept)[0, 0], array[0, 0]) == (2, 3)

@@ -1,9 +1,11 @@
 """The choice of an OpenCL device, and what is said where there is none."""
 
 import ctypes
+import os
 import platform
 import re
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -77,7 +79,7 @@ def test_devices_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert '"chosen": true' in data.output
 
 
-def test_pocl_is_told_a_processor_only_when_asked_to(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_processor_name_is_replaced_only_on_request(monkeypatch: pytest.MonkeyPatch) -> None:
     """A device whose record lies in memory of our own: a field that points to the name, before it one that does not."""
     name = ctypes.create_string_buffer(b"generic")
     record = (ctypes.c_uint64 * 512)(0, ctypes.addressof(name))
@@ -102,20 +104,14 @@ def test_pocl_is_told_a_processor_only_when_asked_to(monkeypatch: pytest.MonkeyP
     assert name.value in (b"skx", b"haswell", b"x86-64")
 
 
-def test_pocl_is_told_before_any_context_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The simulator's sums ask for a context, and for no backend."""
-    from cnnsim.backends.opencl.device import context
-
-    class ToldError(Exception):
-        pass
-
-    def told(_: object) -> None:
-        raise ToldError
-
-    monkeypatch.setattr(context, "name_processor", told)
-    monkeypatch.setattr(cl, "Context", lambda _: pytest.fail("it was made before"))
-    with pytest.raises(ToldError):
-        context._context_and_queues.__wrapped__(OpenCLBackend().device)
+def test_pocl_keeps_its_kernels_where_only_this_user_writes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv(opencl_devices.POCL_CACHE, "mine")
+    opencl_devices.all_devices()
+    assert os.environ[opencl_devices.POCL_CACHE] == "mine"
+    monkeypatch.delenv(opencl_devices.POCL_CACHE)
+    opencl_devices.all_devices()
+    assert Path(os.environ[opencl_devices.POCL_CACHE]).is_relative_to(tmp_path)
 
 
 def test_what_pocl_needs_is_said_where_nothing_builds(monkeypatch: pytest.MonkeyPatch) -> None:

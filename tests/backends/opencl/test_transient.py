@@ -1,4 +1,4 @@
-"""Transients of the OpenCL backend: several steps a launch, shared sums, local memory."""
+"""Transients of linear templates on OpenCL: several steps a launch, shared sums, local memory."""
 
 import itertools
 from types import SimpleNamespace
@@ -9,6 +9,11 @@ import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed
 from cnnsim.backends import get, slices
+from cnnsim.backends.opencl import tiles as opencl_tiles
+from cnnsim.backends.opencl.device.context import DeviceContext
+from cnnsim.backends.opencl.linear_steps import LinearSteps
+from cnnsim.backends.opencl.planes import DeviceGrid
+from cnnsim.backends.opencl.tiles import cut
 from cnnsim.planning.plan import make_plan
 from cnnsim.task import make_task
 from cnnsim.transient import run_transient
@@ -33,29 +38,11 @@ def test_many_steps_a_launch_give_the_same_bits(boundary: Any, family: Family) -
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
-def test_four_rows_at_a_time_have_the_bits_of_one_by_one(boundary: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    from cnnsim.backends.opencl import tiles
-
-    backend, rng = OpenCLBackend("float32"), np.random.default_rng(4)
-    for shape in (1, 1), (2, 3), (5, 31), (2, 7, 16), (4, 9), (62, 30):
-        x, mask = rng.uniform(-1, 1, shape), rng.uniform(-1, 0.3, shape)
-        task = make_task(Template(NINE), state=x, mask=mask, boundary=boundary, duration=3.0, scheme="euler", step=0.1)
-        ends = []
-        for few in tiles.FEW_CELLS, 0:
-            monkeypatch.setattr(tiles, "FEW_CELLS", few)
-            ends.append(backend.read(task.start(backend).x))
-        monkeypatch.undo()
-        assert np.array_equal(ends[0], ends[1]), shape
-
-
-@pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
 def test_rows_that_are_moved_up_often_end_as_on_the_reference(boundary: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tiles so narrow, in so little memory, that rows stream through it many times; in float64 the same bits."""
-    from cnnsim.backends.opencl import tiles
-
     rng, wide = np.random.default_rng(6), np.random.default_rng(7).normal(size=(5, 5)) / 10
-    for name, value in {"FEW_CELLS": 0, "TILE_BYTES": 256, "SCRATCH": 1 << 16}.items():
-        monkeypatch.setattr(tiles, name, value)
+    for name, value in {"ROW_BYTES": 256, "SCRATCH": 1 << 16}.items():
+        monkeypatch.setattr(opencl_tiles, name, value)
     for A in NINE, wide, [[0.1, 0.2, 0.1], [0.2, 0.3, 0.2], [0.1, 0.2, 0.1]]:
         x = rng.uniform(-1.5, 1.5, (2, 301, 150))
         task = make_task(Template(A), state=x, boundary=boundary, duration=3.0, scheme="euler", step=0.1)
@@ -63,25 +50,6 @@ def test_rows_that_are_moved_up_often_end_as_on_the_reference(boundary: Any, mon
         for dtype, most in ("float64", 0.0), ("float32", 30 * np.finfo(np.float32).eps):  # a rounding a step
             backend = OpenCLBackend(dtype, family="cpu")
             assert np.abs(backend.read(task.start(backend).x) - right).max() <= most
-
-
-@pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.parametrize("boundary", BOUNDARIES[:3], ids=str)
-def test_a_boundary_that_tiles_do_not_know_goes_by_stages(
-    boundary: Any, family: Family, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from cnnsim.backends.opencl import transient
-
-    backend, rng = OpenCLBackend("float64", family=family), np.random.default_rng(2)
-    task = make_task(
-        Template(NINE), state=rng.uniform(-1, 1, (2, 9, 11)), mask=rng.uniform(-1, 0.3, (2, 9, 11)),
-        boundary=boundary, duration="settled", limit=4.0, scheme="euler",
-    )  # fmt: skip
-    tiled = task.start(backend)
-    monkeypatch.setattr(transient, "TILED_BOUNDARIES", ())
-    staged = task.start(backend)
-    assert tiled[1:3] == staged[1:3]
-    assert np.array_equal(backend.read(tiled.x), backend.read(staged.x))
 
 
 def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
@@ -96,14 +64,11 @@ def test_shared_sums_stay_within_the_rounding_of_one_sum_a_step() -> None:
 
 
 def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One by one, as those of 8192 x 8192 cells were once, each would go through all of the memory."""
+    """One by one, each would go through all of the memory."""
     for name, value in {"FIRST": 1, "SLICE": 1e-9, "PIECE": 1e6}.items():
         monkeypatch.setattr(slices, name, value)
-    from cnnsim.backends.opencl import tile_steps
-    from cnnsim.backends.opencl.device.context import DeviceContext
-
     asked, counts = list[int](), list[int]()
-    steps, waits, launches = tile_steps.TileSteps.advance, DeviceContext.pieces, DeviceContext.enqueue
+    steps, waits = LinearSteps.advance, DeviceContext.pieces
 
     def advance(self: Any, step: int, count: int) -> None:
         asked.append(count)
@@ -114,27 +79,19 @@ def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPa
         counts.append(len(found))
         return iter(found)
 
-    def enqueue(self: Any, kernel: Any, *shape: Any) -> None:
-        assert len(shape) == 2, "PoCL compiles a kernel once more for an offset"
-        launches(self, kernel, *shape)
-
-    monkeypatch.setattr(tile_steps.TileSteps, "advance", advance)
+    monkeypatch.setattr(LinearSteps, "advance", advance)
     monkeypatch.setattr(DeviceContext, "pieces", pieces)
-    monkeypatch.setattr(DeviceContext, "enqueue", enqueue)
-    rng = np.random.default_rng(2)  # what is compiled for the test of the same bits
+    rng = np.random.default_rng(2)  # the same kernel as in the test of the same bits
     x, mask = rng.uniform(-1, 1, (70, 1100)), rng.uniform(-1, 0.3, (70, 1100))
     given: Any = {"state": x, "mask": mask, "boundary": BOUNDARIES[0], "duration": 3.7, "scheme": "euler"}
     task = make_task(Template(NINE), **given)
     task.start(OpenCLBackend("float32", family="cpu"))
     assert asked == [-(-task.plan.steps // 2), task.plan.steps // 2]
-    assert max(counts) > 1, "a stop is heard between pieces"
+    assert max(counts) > 1, "an interrupt is handled between pieces"
 
 
 def test_launches_are_of_equal_length_and_tiles_of_bounded_work() -> None:
-    """A short last launch goes through memory as a long one does; a stop is heard when a core has done its tile."""
-    from cnnsim.backends.opencl.planes import DeviceGrid
-    from cnnsim.backends.opencl.tiles import cut
-
+    """A short last launch goes through memory as a long one does; an interrupt waits until a core has done its tile."""
     context: Any = SimpleNamespace(
         family="cpu", lanes=8, dtype=np.dtype("float32"), cores=2, device=SimpleNamespace(local_mem_size=1 << 21)
     )
@@ -142,15 +99,12 @@ def test_launches_are_of_equal_length_and_tiles_of_bounded_work() -> None:
     plan = make_plan(Template(NINE), shape, ZERO_FLUX, duration=10.0, scheme="euler", step=0.1)
     tiles = cut(context, DeviceGrid(*shape), plan)
     assert (tiles.steps, tiles.defines["T"]) == (20, 24)  # one kernel for all durations
-    assert 9 * 24 * 16384**2 / tiles.groups <= 1.1 * slices.PIECE
+    assert 9 * 24 * 16384**2 / tiles.number <= 1.1 * slices.PIECE
 
 
 @pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
 def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
     """A device that is given more than it has writes over whatever lies behind."""
-    from cnnsim.backends.opencl.planes import DeviceGrid
-    from cnnsim.backends.opencl.tiles import cut
-
     context: Any = SimpleNamespace(
         family="cpu", lanes=16, dtype=np.dtype("float64"), cores=2, device=SimpleNamespace(local_mem_size=limit)
     )

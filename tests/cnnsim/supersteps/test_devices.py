@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cnnsim.backends.opencl.device.own_device import own_device
+from cnnsim.backends.opencl.device.devices import own_device
 from tests.kits.paths import ROOT
 
 RUN = """
@@ -49,7 +49,7 @@ def test_a_device_that_the_environment_names_is_everybodys(monkeypatch: pytest.M
 
 def test_more_processes_than_devices_take_turns_and_leave_theirs_when_they_die(tmp_path: Path) -> None:
     pytest.importorskip("pyopencl")
-    code = "from cnnsim.backends.opencl.device.own_device import own_device; print(own_device(), flush=True); input()"
+    code = "from cnnsim.backends.opencl.device.devices import own_device; print(own_device(), flush=True); input()"
     environment = ENVIRONMENT | {"XDG_CACHE_HOME": str(tmp_path)}  # nobody else claims devices here
     started: list[subprocess.Popen[str]] = []
 

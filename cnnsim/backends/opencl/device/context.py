@@ -1,50 +1,47 @@
-"""A device's context: its queue, its buffers, its built programs and how a kernel is launched."""
+"""A device's context: its queue, its memory, its built programs, and the launch of kernels."""
 
 import ctypes
 import os
-from collections import deque
 from collections.abc import Iterator
 from functools import cache
 from threading import RLock
 from time import sleep
-from typing import Any
-from weakref import finalize
+from typing import Any, cast
 
 import numpy as np
 import pyopencl as cl
+from pyopencl.tools import ImmediateAllocator, MemoryPool
 
 from cnnsim.backends.opencl.device.build import Defines, build, code_defines, define_lines, source
 from cnnsim.backends.opencl.device.devices import Family, check_not_forked
-from cnnsim.backends.opencl.device.pages import LEAST, ask_for_large_pages, works_in_memory
 from cnnsim.backends.opencl.device.pocl import has_wide_vectors, name_processor
 from cnnsim.backends.slices import pieces
 
 Buffer = cl.Buffer
 
 GROUP = 256
-"""Work-items of a group in the kernels that go over cells one by one on a GPU."""
+"""Work-items of a group in the kernels that take cells one by one on a GPU."""
 
-LANES = 8
-"""Numbers in a vector on a CPU, at least the largest radius."""
-
-WIDE_LANES = 16
-"""float32 in a vector where registers are that wide: half as fast again. Where they are not, it is 5 % slower."""
+LANES, WIDE_LANES = 8, 16
+"""Numbers in a vector on a CPU, at least the largest radius; float32 where registers are 512 bits wide."""
 
 LEAST_CELLS = 4096
-"""Cells of a work-item at least, on a CPU: waking a thread takes longer than fewer."""
+"""Fewest cells of a work-item on a CPU: to wake another thread for fewer takes longer."""
 
 POLL = 1e-4
 """Seconds between two looks whether a kernel's first launch is over."""
 
-POOLED = 4
-"""Buffers kept for the next transient (its drive, and the two states between which steps go) or the next loads."""
+IN_PLACE = 1 << 22
+"""Bytes of a plane from which on a CPU device works in the caller's own memory instead of a copy."""
 
+SPARE = 8
+"""A large buffer is allocated with at most as many times its size in free buffers, of other sizes, in the pool."""
 
 _CONTEXTS: list["DeviceContext"] = []
 
 
 class _Lock:
-    """A lock for one thread at a time; whoever leaves it by an error waits until nothing runs in what is then freed."""
+    """A lock for one thread at a time; on an error it waits until no kernel runs in memory that is then freed."""
 
     def __init__(self, queue: cl.CommandQueue) -> None:
         self._lock, self._queue = RLock(), queue
@@ -61,95 +58,62 @@ class _Lock:
 
 
 class DeviceContext:
-    """One device with its context, its queue and its built programs, for one dtype and one family of kernels.
+    """One device with its context, queue, memory pool and built programs, for one dtype and one family of kernels.
 
-    Its kernels keep the arguments they were given last, so whoever launches holds the ``lock`` from the first argument
-    to the last launch: setting arguments is the one OpenCL call that threads may not make at once (OpenCL 1.2, app. A).
+    A kernel keeps the arguments that it was given last, so a caller holds the ``lock`` while it launches: setting
+    arguments is the one OpenCL call that is not thread-safe (OpenCL 1.2, app. A).
     """
 
     def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
         self.device, self.family, self.dtype = device, family, dtype
-        self.context, self.queue, self._side_queue = _context_and_queues(device)
+        self.context, self.queue, self._pool = _context_of(device)
         self.lock = _Lock(self.queue)
         wide = dtype == np.float32 and has_wide_vectors(device)
         self.lanes = (WIDE_LANES if wide else LANES) if family == "cpu" else 1
         self.cores = device.max_compute_units
         kind: Defines = {"DOUBLE": "", "REAL": "double"} if dtype == np.float64 else {"REAL": "float"}
-        here: Defines = {"CPU": ""} if family == "cpu" else {"GROUP": GROUP}
-        self._basics = define_lines({**kind, **here, "V": self.lanes, **code_defines()})
+        of_family: Defines = {"CPU": ""} if family == "cpu" else {"GROUP": GROUP}
+        self._basics = define_lines({**kind, **of_family, "V": self.lanes, **code_defines()})
         self._most_parts = 4 * (self.cores if family == "cpu" else GROUP)  # of a sum over a plane
-        self.partial = self.new(2 * 8 * self._most_parts)
-        self._scratch: Buffer | None = None
-        self._lent: dict[int, finalize[Any, Any]] = {}
-        self._pool: deque[Buffer] = deque(maxlen=POOLED)
+        self.partial = self.buffer(2 * 8 * self._most_parts)
         self._tables: dict[bytes, Buffer] = {}
         self._programs: dict[tuple[str, ...], cl.Program] = {}
         self._kernels: dict[tuple[str, ...], cl.Kernel] = {}
-        self._numbers: dict[cl.Kernel, dict[int, bytes]] = {}  # that a kernel has as arguments
-        self._compiled: set[cl.Kernel] = set()
+        self._launched: set[cl.Kernel] = set()
         _CONTEXTS.append(self)
 
     def __getattr__(self, name: str) -> Any:
-        """Say why nothing is left of a context after a fork; see `_leave_behind`."""
+        """Raise the error about a fork where `_leave_behind` has emptied this context."""
         check_not_forked(-1)
         raise AttributeError(name)
 
-    def new(self, size: int) -> Buffer:
-        """Return a new buffer of ``size`` bytes on the device."""
-        buffer = cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size)
-        ask_for_large_pages(self._side_queue, buffer)
-        return buffer
-
     def buffer(self, size: int) -> Buffer:
-        """Return a new buffer of ``size`` bytes, or one that was given back."""
-        kept = [self._pool.popleft() for _ in range(len(self._pool))]  # lent ones may come back meanwhile
-        fits = next((pooled for pooled in kept if pooled.size == size), None)
-        if fits is not None or size < LEAST:  # what a large grid has left goes before another one has its memory
-            self._pool.extend(pooled for pooled in kept if pooled is not fits)
-        return self.new(size) if fits is None else fits
+        """Return a buffer of at least ``size`` bytes with any contents; released memory is used again."""
+        if size >= IN_PLACE and self._pool.managed_bytes - self._pool.active_bytes > SPARE * size:
+            self._pool.free_held()
+        return cast(Buffer, self._pool.allocate(size))  # it is used as one
 
-    def recycle(self, *buffers: Buffer) -> None:
-        """Take back buffers that nothing else refers to: new memory costs more than a few steps of the time loop."""
-        self._pool.extend(buffers)
+    def plane(self, cells: int) -> Buffer:
+        """Return a buffer for so many numbers."""
+        return self.buffer(cells * self.dtype.itemsize)
 
-    def lend(self, plane: object, buffer: Buffer) -> None:
-        """Take the large buffer of a plane back as soon as nobody has the plane any more, the only one that lies in it.
-
-        The system empties new memory page by page: for 2048 x 2048 cells that takes longer than a closed form.
-        """
-        if buffer.size >= LEAST:
-            self._lent[buffer.int_ptr] = taken = finalize(plane, self._take_back, buffer)
-            taken.atexit = False
-
-    def _take_back(self, buffer: Buffer) -> None:
-        del self._lent[buffer.int_ptr]
-        self._pool.append(buffer)
-
-    def works_in(self, size: int) -> bool:
-        """Return whether the device may work in this machine's own memory, where ``size`` bytes are worth it."""
-        return size >= LEAST and works_in_memory(self.device)
-
-    def hand_out(self, buffer: Buffer, shape: tuple[int, ...]) -> np.ndarray[Any, Any]:
-        """Return a buffer as an array that lies in it: it is never taken back, and is there as long as the array."""
-        if (lent := self._lent.pop(buffer.int_ptr, None)) is not None:
-            lent.detach()
-        return cl.enqueue_map_buffer(self.queue, buffer, cl.map_flags.WRITE, 0, shape, self.dtype)[0]
+    def works_in_place(self, size: int) -> bool:
+        """Return whether the device works in this machine's own memory, for ``size`` bytes or more."""
+        is_cpu = self.device.type & cl.device_type.CPU and self.device.host_unified_memory
+        return bool(size >= IN_PLACE and is_cpu)
 
     def table(self, numbers: np.ndarray[Any, Any]) -> Buffer:
-        """Return a few numbers on the device, to be read only; the same numbers are brought there once."""
+        """Return a few read-only numbers on the device; equal numbers are transferred once."""
         key = numbers.tobytes()
         if key not in self._tables:
             flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
             self._tables[key] = cl.Buffer(self.context, flags, hostbuf=numbers)
         return self._tables[key]
 
-    def kernel(self, name: str, stems: str, defines: Defines, extra: str = "", twin: int = 0) -> cl.Kernel:
-        """Return a kernel of kernels/<stem>.cl (of several, one after the other, and ``extra``) with these definitions.
-
-        A kernel keeps its arguments, so those who need it with two sets of arguments ask for its ``twin`` as well.
-        """
+    def kernel(self, name: str, stems: str, defines: Defines, extra: str = "") -> cl.Kernel:
+        """Return a kernel of the files kernels/<stem>.cl, joined, and ``extra`` text, with these definitions."""
         lines = self._basics + define_lines(defines)
-        key = (stems, lines, extra, f"{name} {twin}")
+        key = (stems, lines, extra, name)
         if key not in self._kernels:
             if key[:-1] not in self._programs:
                 text = lines + "".join(map(source, ["common", *stems.split()])) + extra
@@ -158,52 +122,33 @@ class DeviceContext:
         return self._kernels[key]
 
     def launch(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
-        """Launch a kernel that deals out ``work`` cells or words itself; return how many parts its sums have."""
-        parts = self.workers(self._most_parts if self.family == "cpu" else -(-work // GROUP), work)
-        self.launch_workers(kernel, parts, *arguments)
+        """Launch a kernel that shares ``work`` cells or words; return how many parts its sums have.
+
+        A part is of a work-item on a CPU, of a work-group on a GPU.
+        """
+        most = work // LEAST_CELLS if self.family == "cpu" else -(-work // GROUP)
+        parts = max(1, min(self._most_parts, most))
+        shape = ((parts,), (1,)) if self.family == "cpu" else ((parts * GROUP,), (GROUP,))
+        self.enqueue(kernel, *shape, *arguments)
         return parts
 
-    def workers(self, most: int, cells: int) -> int:
-        """Return how many work-items, on a GPU work-groups, at the most share the work on so many cells."""
-        return max(1, min(self._most_parts, most, cells // LEAST_CELLS if self.family == "cpu" else most))
-
-    def launch_workers(self, kernel: cl.Kernel, workers: int, *arguments: Any) -> None:
-        """Launch a kernel for so many work-items on a CPU, for as many work-groups on a GPU."""
-        self.bind(kernel, *arguments)
-        self.enqueue(kernel, *(((workers,), (1,)) if self.family == "cpu" else ((workers * GROUP,), (GROUP,))))
-
-    def bind(self, kernel: cl.Kernel, *arguments: Any) -> None:
-        """Set the arguments of a kernel; numbers that it has already are left, since pyopencl takes 3 us for each."""
-        known = self._numbers.setdefault(kernel, {})
-        for place, argument in enumerate(arguments):
-            if not isinstance(argument, np.generic):
-                kernel.set_arg(place, argument)
-            elif known.get(place) != (number := argument.tobytes()):
-                kernel.set_arg(place, argument)
-                known[place] = number
-
-    def scratch(self, size: int) -> Buffer:
-        """Return a buffer of ``size`` bytes or more in which kernels work: one for all, which nobody keeps."""
-        if self._scratch is None or self._scratch.size < size:
-            self._scratch = self.new(size)
-        return self._scratch
-
-    def enqueue(self, kernel: cl.Kernel, *shape: Any) -> None:
-        """Launch a kernel whose arguments are set; ``shape``: global and local sizes.
-
-        No offset: PoCL would compile the kernel once more for it.
-        """
-        event = cl.enqueue_nd_range_kernel(self.queue, kernel, *shape)
-        if kernel not in self._compiled:  # drivers compile at the first launch, for seconds: Python is to hear a signal
+    def enqueue(self, kernel: cl.Kernel, global_size: Any, local_size: Any, *arguments: Any) -> None:
+        """Launch a kernel. Drivers compile at the first launch, for seconds, so Python waits where it hears signals."""
+        first = kernel not in self._launched
+        if first:  # with known types all arguments are set in a microsecond, else in a hundred
+            kernel.set_scalar_arg_dtypes([a.dtype if isinstance(a, np.generic) else None for a in arguments])
+        kernel.set_args(*arguments)
+        event = cl.enqueue_nd_range_kernel(self.queue, kernel, global_size, local_size)
+        if first:
             self.queue.flush()
             while event.command_execution_status > cl.command_execution_status.COMPLETE:
                 sleep(POLL)
-            self._compiled.add(kernel)
+            self._launched.add(kernel)
 
     def pieces(self, count: int, work: float) -> Iterator[tuple[int, int]]:
-        """Yield (first, count) of the pieces of so many rows or tiles with ``work`` sums in each; wait in between.
+        """Yield (first, count) of the pieces of ``count`` rows or tiles with ``work`` sums in each; wait in between.
 
-        The piece before the last is waited for, so that the device always has one to go on with.
+        It waits for the piece before the last, so that the device always has another one.
         """
         parts = pieces(count, work, self.cores if self.family == "cpu" else 1)
         before: cl.Event | None = None
@@ -223,18 +168,16 @@ class DeviceContext:
 
 
 @cache
-def _context_and_queues(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue, cl.CommandQueue]:
-    """Return one context and queue a device, so that planes may go between backends, and a queue without kernels."""
+def _context_of(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue, MemoryPool]:
+    """Return one context, queue and memory pool of a device: planes may go between backends."""
     name_processor(device)
     context = cl.Context([device])
-    return context, cl.CommandQueue(context), cl.CommandQueue(context)
+    queue = cl.CommandQueue(context)
+    return context, queue, MemoryPool(ImmediateAllocator(queue))
 
 
 def _leave_behind() -> None:
-    """Empty all contexts in a child that was forked: their drivers' threads are not there, so nothing would ever end.
-
-    What they held is never released, for the same reason.
-    """
+    """Empty all contexts in a forked child, whose drivers have no threads; nothing they held is ever released."""
     for context in _CONTEXTS:
         held = vars(context).copy()
         vars(context).clear()
@@ -245,4 +188,4 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_leave_behind)
 
 device_context = cache(DeviceContext)
-"""The context of a device: one for all backends that want the same."""
+"""The context of a device: one for all backends of the same family and dtype."""

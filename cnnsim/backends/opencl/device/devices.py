@@ -1,27 +1,34 @@
-"""The OpenCL devices of this machine: which there are, and which one computes."""
+"""The OpenCL devices of this machine: their list, the choice of one, and one for each worker process."""
 
 import os
+import platform
+import tempfile
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Literal
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 from cnnsim.support import InputError
+from cnnsim.support.cache_folder import first_usable, user_cache
+from cnnsim.support.exclusive_file import lock
 
 if TYPE_CHECKING:
     import pyopencl as cl  # the functions import it themselves: this module is there without it
 
 Family = Literal["cpu", "gpu"]
-"""Two families of kernels: a few work-items with long vectors, or many work-items that share local memory."""
+"""Two families of kernels: one work-item a core with long vectors, or many work-items that share local memory."""
 
 VARIABLE = "CNNSIM_DEVICE"
+POCL_CACHE = "POCL_CACHE_DIR"
 CURE = 'pip install "pyopencl[pocl]" brings one that computes on the processor'
 
 
 @dataclass(frozen=True)
 class OpenCLDevice:
-    """One OpenCL device; its ``index`` or a part of its ``name`` chooses it, ``chosen`` is the one taken unasked.
+    """One OpenCL device; its ``index`` or a part of its ``name`` chooses it, ``chosen`` marks the default.
 
-    ``remark`` says what has to be set before it computes, if anything.
+    ``remark`` says what has to be set before the device can compute, or is empty.
     """
 
     index: int
@@ -70,25 +77,26 @@ def devices() -> list[OpenCLDevice]:
 
 
 def all_devices() -> list["cl.Device"]:
-    """Return what pyopencl has of all devices, platform by platform; the index in this list is a device's number.
+    """Return pyopencl's devices, platform by platform; the index in this list is a device's number.
+
+    PoCL keeps its compiled kernels in a folder that only this user can write, unless POCL_CACHE_DIR names another.
 
     Raises:
         InputError: this process was forked from one that had asked before.
     """
     import pyopencl as cl
 
-    from cnnsim.backends.opencl.device.pocl_cache import prepare
-
     check_not_forked(_first_asked_by())
-    prepare()
+    if POCL_CACHE not in os.environ:
+        os.environ[POCL_CACHE] = str(first_usable([user_cache() / "cellular-wave-touch" / "pocl"], "OpenCL kernels"))
     try:
         platforms = cl.get_platforms()
     except cl.Error:  # the loader's way to say that there are none
         platforms = []
     found = []
-    for platform in platforms:
+    for each in platforms:
         try:
-            found += platform.get_devices()
+            found += each.get_devices()
         except cl.Error:  # a platform without a device, such as a driver without its card
             continue
     return found
@@ -100,7 +108,7 @@ def _first_asked_by() -> int:
 
 
 def check_not_forked(owner: int) -> None:
-    """Refuse OpenCL in a child of the process that has used it: the threads of its drivers are not in the child.
+    """Refuse OpenCL in a forked child of the process that has used it: the drivers' threads are not in the child.
 
     Raises:
         InputError: this is not the process ``owner``.
@@ -115,10 +123,10 @@ def check_not_forked(owner: int) -> None:
 def choose_device(which: int | str | None = None) -> "cl.Device":
     """Return the device with this number or this part of its name or its platform's.
 
-    None: what the environment variable CNNSIM_DEVICE says; if it is silent, the first GPU, else the first device.
+    None: the one that the environment variable CNNSIM_DEVICE names; without it the first GPU, else the first device.
 
     Raises:
-        InputError: there is no device at all, or not this one; the message has the cure, or the choice.
+        InputError: there is no device, or not this one; the message has the cure, or the devices to choose from.
     """
     found = all_devices()
     if not found:
@@ -159,3 +167,39 @@ def family_of(device: "cl.Device") -> Family:
 def has_float64(device: "cl.Device") -> bool:
     """Return whether a device computes in float64."""
     return bool(device.double_fp_config)
+
+
+@cache
+def own_device() -> int | None:
+    """Return the number of a device for this worker process; None if the environment variable names one.
+
+    The devices of the default device's kind and platform are dealt out in turn. Each is claimed by a locked file,
+    which the system unlocks when the process ends, so a worker that replaces a dead one gets its device.
+    """
+    if os.environ.get(VARIABLE, "").strip():
+        return None
+    usual, found = choose_device(), all_devices()
+    alike = [
+        index
+        for index, device in enumerate(found)
+        if device.platform == usual.platform and type_of(device) == type_of(usual)
+    ]
+    return alike[0] if len(alike) == 1 else _claim(alike)
+
+
+def title_of(backend: Any) -> str:
+    """Return the number and name of the device of an OpenCL backend."""
+    return f"{all_devices().index(backend.device)}: {title(backend.device)}"
+
+
+def _claim(devices: list[int]) -> int:
+    shared = Path(tempfile.gettempdir()) / f"cnnsim-devices-{os.getuid() if hasattr(os, 'getuid') else 0}"
+    folder = first_usable([user_cache() / "cellular-wave-touch" / "devices", shared], "claims on devices")
+    for turn in count():
+        for index in devices:
+            name = f"{platform.node()}-{index}-{turn}"  # machines may share a home folder
+            file = os.open(folder / name, os.O_RDWR | os.O_CREAT, 0o600)
+            if lock(file):
+                return index  # the file stays open, and locked, until this process ends
+            os.close(file)
+    raise AssertionError("counting has no end")

@@ -1,4 +1,4 @@
-"""PoCL 3.0 on processors newer than itself: give its compiler, if asked to, a processor name that it knows."""
+"""PoCL 3.0 on processors that its LLVM does not know: set a processor name that it knows; and vector width."""
 
 import ctypes
 import os
@@ -12,53 +12,47 @@ from cnnsim.support import InputError
 VARIABLE = "CNNSIM_POCL_PROCESSOR"
 AUTO = "auto"
 _UNKNOWN = b"generic"
-_HASWELL = frozenset(
-    ("avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "rdrand", "fsgsbase", "invpcid", "xsaveopt")
-)
-_SKYLAKE_SERVER = _HASWELL | {"avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl", "adx", "clflushopt"}
-_NAMES = ((b"skx", _SKYLAKE_SERVER), (b"haswell", _HASWELL), (b"x86-64", frozenset[str]()))
-"""Names that fit where "generic" stood, the most able first, each with what /proc/cpuinfo has to say for it."""
+_NAMES = ((b"skx", "avx512vl"), (b"haswell", "avx2"), (b"x86-64", "sse2"))
+"""LLVM's processor names, the most able first, each with the flag of /proc/cpuinfo that it needs."""
 _NARROW = "-znver1", "-znver2", "-znver3"
-"""Ends of the versions of PoCL devices whose names LLVM knows without AVX-512."""
-_FIELDS = 4096  # bytes of a device's record that are looked through
+"""Ends of the versions of PoCL devices that LLVM compiles for without AVX-512."""
+_FIELDS = 4096  # bytes of a device's record that are searched
 
 
 def name_processor(device: cl.Device) -> None:
-    """Replace the processor name "generic" in the record of a PoCL device by the one that CNNSIM_POCL_PROCESSOR says.
+    """Replace the processor name "generic" in the record of a PoCL device by that of CNNSIM_POCL_PROCESSOR.
 
-    PoCL 3.0 (the newest on PyPI) asks its LLVM 14 for the processor's name. For a processor younger than LLVM 14 the
-    answer is "generic", which that same LLVM then refuses for x86 ("unknown target CPU 'generic'"), so nothing can
-    be built. No option of PoCL sets the name. It lies as a string of its own in the device's record, and is
-    overwritten there, which is another library's memory: so only if the variable is set, to a name that LLVM knows, or
-    to "auto" for that of an older processor that can do no more than this one. Nothing is done on other platforms,
-    other processors, or where the string is not found.
+    PoCL 3.0 (the newest on PyPI) asks its LLVM 14 for the processor's name. For a younger processor the answer is
+    "generic", which LLVM then refuses for x86 ("unknown target CPU 'generic'"), and no option of PoCL sets the name.
+    The string in the device's record is overwritten, which is another library's memory: so only if the variable is
+    set, to a name that LLVM knows or to "auto". Other devices are left as they are.
 
     Raises:
-        InputError: a name that is too long for the place of the old one.
+        InputError: a name that is longer than the old one.
     """
     name = os.environ.get(VARIABLE, "").strip().encode()
-    if not (name and _may_be_named(device)):
+    if not (name and _is_unnamed(device)):
         return
     if name == AUTO.encode():
-        flags = _processor_flags()
-        name = next(known for known, wanted in _NAMES if flags >= wanted)
+        name = next(known for known, flag in _NAMES if flag in _processor_flags())
     if len(name) > len(_UNKNOWN):
         raise InputError(
             f"{VARIABLE} is {name.decode()!r}; {AUTO!r} or a name of at most {len(_UNKNOWN)} letters wanted"
         )
-    ours = _writable_memory()
+    writable = _writable_memory()
     for field in range(device.int_ptr, device.int_ptr + _FIELDS, 8):
-        if not _within(ours, field, 8):
+        if not _within(writable, field, 8):
             return
         string = ctypes.c_uint64.from_address(field).value
-        if _within(ours, string, len(_UNKNOWN) + 1) and ctypes.string_at(string, len(_UNKNOWN) + 1) == _UNKNOWN + b"\0":
+        size = len(_UNKNOWN) + 1
+        if _within(writable, string, size) and ctypes.string_at(string, size) == _UNKNOWN + b"\0":
             ctypes.memmove(string, name + b"\0", len(name) + 1)
             return
 
 
 def remark(device: cl.Device) -> str:
-    """Return what to do about a device for which nothing can be built, or nothing where that is not known."""
-    if os.environ.get(VARIABLE, "").strip() or not _may_be_named(device):
+    """Return what to set for a device for which nothing can be built; empty where nothing is known to help."""
+    if os.environ.get(VARIABLE, "").strip() or not _is_unnamed(device):
         return ""
     return (
         f"PoCL calls this processor 'generic', which its compiler may refuse; set the environment variable "
@@ -66,28 +60,22 @@ def remark(device: cl.Device) -> str:
     )
 
 
-def _may_be_named(device: cl.Device) -> bool:
-    """Return whether a device is PoCL's and was given the name that its compiler refuses."""
+def has_wide_vectors(device: cl.Device) -> bool:
+    """Return whether a device is this machine's processor and uses AVX-512, registers of 16 float32."""
+    is_cpu = device.type & cl.device_type.CPU != 0
+    return is_cpu and not device.version.endswith(_NARROW) and "avx512vl" in _processor_flags()
+
+
+def _is_unnamed(device: cl.Device) -> bool:
     unknown = device.platform.name == "Portable Computing Language" and device.version.endswith("-generic")
     return unknown and platform.machine() in ("x86_64", "AMD64") and Path("/proc/self/maps").exists()
-
-
-def has_wide_vectors(device: cl.Device) -> bool:
-    """Return whether a device is this machine's processor, and that has registers of 16 float32 (AVX-512).
-
-    PoCL names a processor by the last one of its kind that its LLVM knows, whose registers are the ones in use.
-    """
-    named_without = device.version.endswith(_NARROW)
-    return device.type & cl.device_type.CPU != 0 and not named_without and _processor_flags() >= _SKYLAKE_SERVER
 
 
 def _processor_flags() -> set[str]:
     if not Path("/proc/cpuinfo").exists():
         return set()
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("flags"):
-            return set(line.split(":", 1)[1].split())
-    return set()
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return next((set(line.split(":", 1)[1].split()) for line in lines if line.startswith("flags")), set())
 
 
 def _writable_memory() -> list[tuple[int, int]]:
@@ -101,5 +89,5 @@ def _writable_memory() -> list[tuple[int, int]]:
     return found
 
 
-def _within(spans: list[tuple[int, int]], address: int, size: int) -> bool:
-    return any(first <= address and address + size <= end for first, end in spans)
+def _within(areas: list[tuple[int, int]], address: int, size: int) -> bool:
+    return any(first <= address and address + size <= end for first, end in areas)

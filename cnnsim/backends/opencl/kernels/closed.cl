@@ -65,17 +65,18 @@ static inline vec at_rest(vec x, vec s, real a)
 }
 #endif
 
-// What a cell, or a vector of cells, ends as; an infinite state or NaN makes NaN, which no comparison above may hide.
-static inline real real_end(real x, real s, real a, real t, int rest)
+// The end of a cell, or of a vector of cells: at rest (REST), or at time t. An infinite state or NaN makes NaN, which no
+// comparison above may hide.
+static inline real real_end(real x, real s, real a, real t)
 {
-    return (rest ? real_at_rest(x, s, a) : state_at(x, s, a, t)) + (x - x);
+    return (REST ? real_at_rest(x, s, a) : state_at(x, s, a, t)) + (x - x);
 }
 #if V > 1
-static inline vec vec_end(vec x, vec s, real a, real t, int rest)
+static inline vec vec_end(vec x, vec s, real a, real t)
 {
-    if (rest) return at_rest(x, s, a) + x * (vec)0;
+    if (REST) return at_rest(x, s, a) + x * (vec)0;
     vec end;
-    for (int v = 0; v < V; v++) end[v] = real_end(x[v], s[v], a, t, rest);
+    for (int v = 0; v < V; v++) end[v] = real_end(x[v], s[v], a, t);
     return end;
 }
 #endif

@@ -23,8 +23,7 @@ static inline void stand_in(__local real *y, int i, int j, int gi, int gj, int r
 
 __attribute__((reqd_work_group_size(WIDE, HIGH / R, 1)))
 __kernel void steps(__global const real *x, __global const real *w, __global const ulong *mask, __global real *out,
-                    int rows, int cols, int across, int down, int steps, int first
-                    SLEEP_ARGUMENTS)
+                    int rows, int cols, int across, int down, int steps, int first)
 {
     __local real y[2 * SIZE];
     const int tile = first + get_global_id(0) / WIDE, j = get_local_id(0), i0 = get_local_id(1) * R;
@@ -34,33 +33,20 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     const int real_col = BOUNDARY == BOUNDARY_PERIODIC || (gj >= 0 && gj < cols);
     const int col = BOUNDARY == BOUNDARY_PERIODIC ? wrap(gj, cols) : clamp_to(gj, cols);
     real s[R], drive[R], gain[R];
-#ifdef SLEEP
-    __local int found;
-    const int reach = T * RADIUS;
-    const int turn = turn_of(moved, tile, across, down, counted(rows, down, HIGH - 2 * HALO, reach),
-                             counted(cols, across, WIDE - 2 * HALO, reach), least);
-    found = turn == AWAKE ? MOVED : 0; // seen by all after the barriers below
-    const int times = turn == COASTING ? steps : 1;
-    steps = turn == AWAKE ? steps : turn == COASTING ? 1 : -1; // no early return: some compilers lose barriers by it
-#else
-    const int times = 1;
-#endif
 
-    if (steps >= 0) {
 #pragma unroll
-        for (int q = 0; q < R; q++) {
-            const int gi = gi0 + q, row = BOUNDARY == BOUNDARY_PERIODIC ? wrap(gi, rows) : clamp_to(gi, rows);
-            const long cell = (top + row) * cols + col;
-            s[q] = x[cell];
-            drive[q] = w[cell];
+    for (int q = 0; q < R; q++) {
+        const int gi = gi0 + q, row = BOUNDARY == BOUNDARY_PERIODIC ? wrap(gi, rows) : clamp_to(gi, rows);
+        const long cell = (top + row) * cols + col;
+        s[q] = x[cell];
+        drive[q] = w[cell];
 #ifdef MASK
-            gain[q] = black(mask, top + row, col, cols) ? 0 : (real)(GAIN);
+        gain[q] = black(mask, top + row, col, cols) ? 0 : (real)(GAIN);
 #else
-            gain[q] = GAIN;
+        gain[q] = GAIN;
 #endif
-        }
     }
-    // what lies around the tile is read for cells whose states are dropped, but let it be numbers
+    // what lies around the tile is read by cells whose states are dropped: it has to hold numbers
     for (int at = get_local_id(1) * WIDE + j; at < 2 * SIZE; at += WIDE * (HIGH / R)) y[at] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
 
@@ -90,43 +76,18 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
 #define TAP(q, k, l, weight) d[q] += (real)(weight) * now[PLACE(i0 + q + (k), j + (l))];
             TAPS(TAP, q)
         }
-#ifdef SLEEP
-        if (t == steps - 1) {
-            int loose = 0;
 #pragma unroll
-            for (int q = 0; q < R; q++) {
-                const int i = i0 + q, gi = gi0 + q;
-                const int own = i >= HALO && i < HIGH - HALO && gi < rows && j >= HALO && j < WIDE - HALO && gj < cols;
-                if (own && !SATURATED(real, s[q], d[q]) && !HELD(real, s[q], d[q], gain[q]))
-                    loose |= place_of(i - HALO, min(HIGH - 2 * HALO, rows - gi + i - HALO), reach, NORTH, SOUTH)
-                             | place_of(j - HALO, min(WIDE - 2 * HALO, cols - gj + j - HALO), reach, WEST, EAST);
-            }
-            if (loose) atomic_or(&found, loose);
-        }
-#endif
-        for (int again = 0; again < times; again++) {
-#pragma unroll
-            for (int q = 0; q < R; q++) {
-                s[q] += gain[q] * (d[q] - s[q]);
+        for (int q = 0; q < R; q++) {
+            s[q] += gain[q] * (d[q] - s[q]);
 #if LIMITED
-                s[q] = CLIP(real, s[q]);
+            s[q] = CLIP(real, s[q]);
 #endif
-            }
         }
     }
-    const int mine = steps >= 0 && j >= HALO && j < WIDE - HALO && gj < cols;
+    const int mine = j >= HALO && j < WIDE - HALO && gj < cols;
 #pragma unroll
     for (int q = 0; q < R; q++) {
         const int i = i0 + q, gi = gi0 + q;
-        if (!mine || i < HALO || i >= HIGH - HALO || gi >= rows) continue;
-        const long cell = (top + gi) * cols + gj;
-#ifdef SLEEP
-        if (turn == COASTING && BITS_real(s[q]) != BITS_real(x[cell])) atomic_or(&found, MOVED);
-#endif
-        out[cell] = s[q];
+        if (mine && i >= HALO && i < HIGH - HALO && gi < rows) out[(top + gi) * cols + gj] = s[q];
     }
-#ifdef SLEEP
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0 && get_local_id(1) == 0) moves[tile] = found;
-#endif
 }

@@ -8,8 +8,7 @@ static inline ulong cell_of(__global const ulong *row, int j, int cols, int outs
 {
     const int q = cell_at(j, cols);
     if (q == NOTHING) return outside;
-    const ulong black = row[q / 64] >> (q % 64) & 1;
-    return q == j ? black : virtual_bits(black) & 1;
+    return row[q / 64] >> (q % 64) & 1;
 }
 
 // The cells l to the right of those of word c; only the few virtual ones among them are looked at one by one.
@@ -35,12 +34,9 @@ static inline ulong word_at(__global const ulong *grid, __global const int *lite
 {
     ulong result = conjunction ? ~(ulong)0 : 0;
     for (int n = 0; n < count; n++) {
-        const int there = i + literals[3 * n], p = cell_at(there, rows);
+        const int p = cell_at(i + literals[3 * n], rows);
         ulong seen = outside ? ~(ulong)0 : 0;
-        if (p != NOTHING) {
-            seen = shifted(grid + (long)p * words, c, literals[3 * n + 1], words, cols, outside);
-            if (p != there) seen = virtual_bits(seen);
-        }
+        if (p != NOTHING) seen = shifted(grid + (long)p * words, c, literals[3 * n + 1], words, cols, outside);
         if (literals[3 * n + 2]) seen = ~seen;
         result = conjunction ? result & seen : result | seen;
     }

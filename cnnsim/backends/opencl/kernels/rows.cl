@@ -1,7 +1,6 @@
-// Rows of a tile of cpu.cl: brought in, moved, with the virtual cells around them imposed, and compared. Comes after
-// block.cl.
+// Rows of a tile of cpu.cl: loaded, moved, surrounded by virtual cells, compared. Comes after block.cl.
 
-// Impose the virtual cells beside one row of outputs; the grid's columns are left .. right - 1 of the buffer.
+// Set the virtual cells beside one row of outputs; the grid's columns are left .. right - 1 of the buffer.
 static void fix_columns(__local real *row, int left, int right)
 {
 #ifndef COPIES
@@ -29,17 +28,14 @@ static void copy_row(__local real *to, const __local real *from)
     for (int j = 0; j + V <= STRIDE; j += V) VEC(__local, to + j) = VEC(const __local, from + j);
 }
 
-// Bring a row up from so many numbers further down.
-static void move_row(__local real *to, int back) { copy_row(to, to + back); }
-
-// Impose the virtual rows that touch the R rows from row i on of a level; the outputs of row 0 begin at y. A torus has none.
+// Set the virtual rows that touch the R rows from row i on of a level; the outputs of row 0 begin at y. A torus has none.
 static void fix_rows(__local real *y, int i, int rows)
 {
 #if BOUNDARY != BOUNDARY_PERIODIC
     for (int q = 1; q <= RADIUS; q++) {
         for (int last = 0; last < 2; last++) {
-            const int end = last ? rows - 1 : 0, beyond = last ? end + q : -q, brought = last ? beyond : end;
-            if (brought < i || brought >= i + R) continue; // done with the later one of both
+            const int end = last ? rows - 1 : 0, beyond = last ? end + q : -q, written = last ? beyond : end;
+            if (written < i || written >= i + R) continue; // done with the later one of both
 #if BOUNDARY == BOUNDARY_FIXED
             fill_row(y + beyond * STRIDE, CONSTANT);
 #else
@@ -50,27 +46,19 @@ static void fix_rows(__local real *y, int i, int rows)
 #endif
 }
 
-// Have columns first .. stop - 1 of a row come near: rows of a tile lie so far apart that no processor foresees the next.
-static inline void fetch(__global const real *row, int first, int stop)
-{
-    const int line = 64 / (int)sizeof(real); // of the cache
-    for (int j = first; j < stop + line; j += line)
-        __builtin_prefetch((const void *)(size_t)(row + j)); // which knows of no address spaces
-}
-
-// Bring in one row's columns first .. stop - 1 of the buffer: its states, its drives, its gains and its outputs at level
-// 0; `start` is the grid's column at the buffer's column 0.
-static void bring(__global const real *x, __global const real *w, __global const ulong *mask, long line, int cols,
-                  int start, int first, int stop, __local real *xs, __local real *ws, __local real *gains,
-                  __local real *ys)
+// Load one row's columns first .. stop - 1 of the buffer: states, drives, gains and outputs; `start` is the grid's column
+// at the buffer's column 0.
+static void load_row(__global const real *x, __global const real *w, __global const ulong *mask, long line, int cols,
+                     int start, int first, int stop, __local real *xs, __local real *ws, __local real *gains,
+                     __local real *ys)
 {
     x += line * cols + start;
     w += line * cols + start;
-    if (first >= V) VEC(__local, ys + first - V) = (vec)0; // read beside the others; what was left there may be slow numbers
+    if (first >= V) VEC(__local, ys + first - V) = (vec)0; // read beside the others; memory may hold denormal numbers
     VEC(__local, ys + stop) = (vec)0;
     int j = first;
 #if BOUNDARY != BOUNDARY_PERIODIC
-    for (; start + j < 0; j++) xs[j] = ws[j] = ys[j] = 0; // for virtual cells, which are imposed
+    for (; start + j < 0; j++) xs[j] = ws[j] = ys[j] = 0; // virtual cells, which are set later
 #endif
     for (; start + j >= 0 && j + V <= stop && start + j + V <= cols; j += V) {
         const vec s = VEC(const __global, x + j);
@@ -80,9 +68,8 @@ static void bring(__global const real *x, __global const real *w, __global const
     }
     for (; j < stop; j++) {
         const int c = (BOUNDARY == BOUNDARY_PERIODIC ? wrap(start + j, cols) : clamp_to(start + j, cols)) - start;
-        const real s = x[c];
-        xs[j] = s;
-        ys[j] = CLIP(real, s);
+        xs[j] = x[c];
+        ys[j] = CLIP(real, x[c]);
         ws[j] = w[c];
     }
 #ifdef MASK
@@ -101,6 +88,5 @@ static int differ(const __local real *a, __global const real *b, int cols)
     int j = 0;
     for (; j + V <= cols; j += V) some |= BITS_vec(VEC(const __local, a + j)) ^ BITS_vec(VEC(const __global, b + j));
     for (; j < cols; j++) other |= BITS_real(a[j]) ^ BITS_real(b[j]);
-    for (int v = 0; v < V; v++) other |= some[v];
-    return other != 0;
+    return other != 0 || any_of(some);
 }

@@ -1,69 +1,41 @@
-// Which tiles may be left out of a launch of steps, and which need not look at their neighbours more than once.
+// Sleeping tiles: which tiles need no steps in a launch, and which only steps with constant drives.
 //
 // A cell is saturated for good if |x| >= 1 and its drive d = A*y + w pulls it outwards: while its neighbours' outputs
-// stay, so does its own, to the bit (see cnnsim/backends/cpu/tiles/settled.py). A launch notes where cells were not,
-// before its last step. What these change travels RADIUS cells a step, so a tile that has none within as many cells as the
-// longest launch reads keeps all its drives: it coasts, each cell towards its own drive. If a launch in which it
-// coasted changed no bit in it, the next one does not either, and it is asleep: since launches write to two planes by
-// turns, the plane that this one writes to has these very states already.
+// stay, so does its own, to the bit. A launch marks a tile LOOSE if another cell was in it before the last step, and NORTH
+// .. EAST if one was in the cells at that side that its neighbours read in a launch. Tiles are at least as long as that, so
+// where neither a tile is LOOSE nor those around it at the sides that it reads all its drives are constant: it is COASTING, each cell towards its own drive. If a launch in which it
+// coasted changed no bit (MOVED is not set), neither will the next one: it is ASLEEP. The launches write to two planes
+// alternately, and the plane that this launch writes to has the same states already.
 
-// `least`: what a tile does at least in a launch; none is asleep in one of another length than the launch before.
-enum { ASLEEP, COASTING, AWAKE };
-
-#ifdef SLEEP
-#define SLEEP_ARGUMENTS , __global uchar *moved, __global uchar *moves, int least // AWAKE: step all tiles
-#else
-#define SLEEP_ARGUMENTS
-#endif
-
-enum { MOVED = 1, ANYWHERE = 2, NORTH = 4, SOUTH = 8, WEST = 16, EAST = 32 };
+enum { ASLEEP, COASTING, AWAKE }; // as in linear_steps.py
+enum { MOVED = 1, LOOSE = 2, NORTH = 4, SOUTH = 8, WEST = 16, EAST = 32 };
 
 // Numbers up to which 1 - x is exact: with the drive beyond 1 no rounding brings the state back inside.
-#define FAR 16777216
+#define EXACT 16777216
 // NaN is neither: of two numbers of which one is NaN, LESS is the second, MORE the first.
 #define LESS(s, d) (s < d ? s : d)
 #define MORE(s, d) (d > s ? d : s)
-#define SATURATED(type, s, d)                                                                          \
-    (((LESS(s, d) >= (type)1) & (MORE(s, d) <= (type)FAR))                                             \
-     | ((MORE(s, d) <= (type)-1) & (LESS(s, d) >= (type)-FAR)))
+#define SATURATED(s, d)                                                \
+    (((LESS(s, d) >= (vec)1) & (MORE(s, d) <= (vec)EXACT))             \
+     | ((MORE(s, d) <= (vec)-1) & (LESS(s, d) >= (vec)-EXACT)))
+// A masked cell stays as well.
+#define HELD(s, d, gain)                                               \
+    ((gain == (vec)0) & (s <= (vec)EXACT) & (s >= (vec)-EXACT) & (d <= (vec)EXACT) & (d >= (vec)-EXACT))
 
-// A masked cell stays too.
-#define HELD(type, s, d, gain) \
-    ((gain == (type)0) & (s <= (type)FAR) & (s >= (type)-FAR) & (d <= (type)FAR) & (d >= (type)-FAR))
-
-// Where row or column i of n lies, if a cell in it is not saturated: `reach` cells beyond the sides read it.
-static inline int place_of(int i, int n, int reach, int before, int after)
-{
-    return ANYWHERE | (i < reach ? before : 0) | (i >= n - reach ? after : 0);
-}
-
-// What a tile does in this launch, with the tiles that are at most so many beyond or beside it; if these are more than
-// its neighbours, because tiles are narrower than what a launch reads, all their cells count.
-static inline int turn_of(__global const uchar *moved, int tile, int across, int down, int beyond, int beside,
-                          int least)
+// What a tile does in a launch, at least `least`; `beyond` and `beside` tiles around it count.
+static inline int turn_of(__global const uchar *moved, int tile, int across, int down, int beyond, int beside, int least)
 {
     if (least == AWAKE) return AWAKE;
     const int p = tile % across, q = tile / across % down;
     __global const uchar *grid = moved + (tile - q * across - p);
-    for (int k = -beyond; k <= beyond; k++)
-        for (int l = -beside; l <= beside; l++) {
-            int i = q + k, j = p + l;
-#if BOUNDARY == BOUNDARY_PERIODIC
-            i = wrap(i, down), j = wrap(j, across);
-#else
+    for (int k = q - beyond; k <= q + beyond; k++)
+        for (int l = p - beside; l <= p + beside; l++) {
+            const int i = BOUNDARY == BOUNDARY_PERIODIC ? wrap(k, down) : k;
+            const int j = BOUNDARY == BOUNDARY_PERIODIC ? wrap(l, across) : l;
             if (i < 0 || i >= down || j < 0 || j >= across) continue;
-#endif
-            const int there = grid[i * across + j] & ~MOVED;
-            const int rows = k == 0 || beyond > 1 ? ANYWHERE : k < 0 ? SOUTH : NORTH;
-            const int cols = l == 0 || beside > 1 ? ANYWHERE : l < 0 ? EAST : WEST;
-            if ((there & rows) && (there & cols)) return AWAKE;
+            const int rows = k == q || beyond > 1 ? LOOSE : k < q ? SOUTH : NORTH;
+            const int cols = l == p || beside > 1 ? LOOSE : l < p ? EAST : WEST;
+            if ((grid[i * across + j] & rows) && (grid[i * across + j] & cols)) return AWAKE;
         }
     return moved[tile] & MOVED ? COASTING : least;
-}
-
-// How many tiles count on each side of one, where so many of this length make a line of so many cells.
-static inline int counted(int cells, int tiles, int length, int reach)
-{
-    const int last_is_narrow = BOUNDARY == BOUNDARY_PERIODIC && cells - (tiles - 1) * length < reach;
-    return (reach + length - 1) / length + last_is_narrow;
 }

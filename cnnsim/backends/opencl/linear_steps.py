@@ -1,0 +1,73 @@
+"""Steps of a linear template by a one-stage scheme: tile by tile, several steps a launch; sleeping tiles."""
+
+from typing import Any
+
+import numpy as np
+
+from cnnsim.backends.opencl.device.build import Defines, cell_defines, literal, tap_defines
+from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
+from cnnsim.backends.opencl.settled import CheckedSteps
+from cnnsim.backends.opencl.tiles import cut
+from cnnsim.planning.plan import Plan
+
+ASLEEP, COASTING, AWAKE = range(3)
+"""What a tile does in a launch, as in sleep.cl."""
+
+
+class LinearSteps(CheckedSteps):
+    """Steps x += gain (A*y + w - x) from a state, which is left as it is; launches write to two planes alternately.
+
+    With the saving "sleep" a CPU leaves out tiles in which no output can change (see sleep.cl). The first two launches
+    step all tiles, since each plane has to be filled once.
+    """
+
+    def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
+        super().__init__(context, plan, grid, planes)
+        assert plan.scheme is not None
+        self._sleeps = "sleep" in plan.savings and context.family == "cpu"
+        self._tiles = tiles = cut(context, grid, plan, small=self._sleeps)
+        self._planes: list[Buffer] = []
+        self._launches, self._last_steps = 0, 0
+        self._moved = [context.buffer(tiles.number) for _ in range(2 * self._sleeps)]
+        defines = {
+            **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
+            **cell_defines(plan, self._mask),
+            **_shared_sums(context, plan),
+            **({"SLEEP": ""} if self._sleeps else {}),
+            "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
+            **tiles.defines,
+        }
+        stems = {"cpu": "boundary sleep block rows cpu", "gpu": "boundary gpu"}[context.family]
+        self._kernel = context.kernel("steps", stems, defines)
+        self.together = tiles.steps
+
+    def advance(self, step: int, count: int) -> None:
+        """See `Stepper.advance`."""
+        while count:
+            steps = min(count, self._tiles.steps)
+            self._launch(steps)
+            count -= steps
+
+    def _launch(self, steps: int) -> None:
+        context, tiles, turn = self._context, self._tiles, self._launches % 2
+        if len(self._planes) == turn:
+            self._planes.append(context.plane(self._grid.cells))
+        least = AWAKE if self._launches < 2 else COASTING if steps != self._last_steps else ASLEEP
+        sleep: tuple[Any, ...] = (*self._moved[:: 2 * turn - 1], *tiles.around, np.int32(least)) if self._moved else ()
+        for first, count in context.pieces(tiles.number, steps * self.work / tiles.number / tiles.quick):
+            context.enqueue(
+                self._kernel, tiles.global_size(count), tiles.local_size, self._x, self._w, self._mask,
+                self._planes[turn], *tiles.arguments, np.int32(steps), np.int32(first), *sleep,
+            )  # fmt: skip
+        self._x = self._planes[turn]
+        self._launches, self._last_steps = self._launches + 1, steps
+
+
+def _shared_sums(context: DeviceContext, plan: Plan) -> Defines:
+    """Return the weights of an isotropic template in float32; float64 keeps the reference's order of sums."""
+    if context.family != "cpu" or "shared sums" not in plan.savings or context.dtype != np.float32:
+        return {}
+    names = {"CENTRE": (1, 1), "EDGE": (0, 1), "CORNER": (0, 0)}
+    A: Any = plan.template.A
+    return {"SHARED_SUMS": "", **{name: literal(A[at], context.dtype) for name, at in names.items()}}
