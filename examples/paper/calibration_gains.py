@@ -16,7 +16,6 @@ from cnnsim.support.terminal import console
 from examples.paper.claims import arguments
 from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
-from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import radial_from_scan
 from tactile.calibration.sensitivity import beta_from_scan
@@ -68,16 +67,16 @@ def study(skin: Skin) -> list[Gain]:
     known = scan(LINES, skin.effects, feels=skin.feels, gains=SENSOR, seed=1)
     tried = scan(LINES[:-1] + 27e-6, skin.effects, feels=skin.feels, gains=SENSOR, seed=2)
     everywhere = np.ones(tried.times.shape, bool)
-    line, near, far = len(LINES) // 2, known.within(NEAR), known.within(FAR)
+    near, far = known.within(NEAR), known.within(FAR)
 
     gains = Gains(1.0, 1.0)
     steps = [error("nominal", skin.name, tried, locate(tried, gains), everywhere)]
     gains = Gains(beta_from_scan(centre[:, 0], centre[:, 2]).beta, 1.0)
     steps.append(error("beta_ns", skin.name, tried, locate(tried, gains), everywhere))
-    seen = locate(known, gains).places[line, near[line]]
-    depth = depth_from_speed(known.times[line, near[line]], seen, SPEED, DEPTH)
+    depth = DEPTH * SPEED / locate(known, gains).speed(known)
     steps.append(error("thickness", skin.name, tried, locate(tried, gains, depth), everywhere))
-    gains = gains_from_load(gains, locate(known, gains, depth).force[near], FORCE)
+    factor = FORCE / float(locate(known, gains, depth).force[near].mean())
+    gains = Gains(gains.shear * factor, gains.normal * factor)
     steps.append(error("load", skin.name, tried, locate(tried, gains, depth), everywhere))
     found = locate(known, gains, depth)
     radial = radial_from_scan(found.places[far], known.places[far], found.force[far], FORCE, RINGS)

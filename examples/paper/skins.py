@@ -20,7 +20,6 @@ from examples.paper.needle import (
     scan,
     typical,
 )
-from tactile.calibration.from_load import depth_from_speed
 from tactile.calibration.gains import Gains
 from tactile.calibration.sensitivity import beta_from_scan
 from tactile.simulator.effects.finite_thickness import FiniteThickness
@@ -109,10 +108,9 @@ def on_the_bench(skin: Skin, seed: int = 1) -> Trial:
     centre = scan(effects=skin.effects, feels=skin.feels, half=500e-6).readings[0]
     beta = beta_from_scan(centre[:, 0], centre[:, 2]).beta
     made = scan(LINES, skin.effects, feels=skin.feels, seed=seed)
-    gains, line = Gains(beta, 1.0), len(LINES) // 2
+    gains = Gains(beta, 1.0)
     located = locate(made, gains)
-    use = made.within(150e-6)[line]
-    depth = depth_from_speed(made.times[line, use], located.places[line, use], SPEED, DEPTH)
+    depth = DEPTH * SPEED / located.speed(made)
     far = made.within(FAR[1]) & ~made.within(FAR[0])
     t = (made.places[far] ** 2).sum(-1) / DEPTH**2
     shear = np.hypot(made.readings[far][:, 0], made.readings[far][:, 1])

@@ -10,7 +10,7 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.terminal import echo
 from tactile.calibration.from_weights import NAMES, Model, calibrate_loads
-from tactile.calibration.tare import Tare
+from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import Frame
 from tactile.core.source import Source
 
@@ -103,7 +103,7 @@ def calibrate(
 
 
 def _tared(source: Source, scan: Path, tare: int) -> list[Frame]:
-    offset = Tare(tare)
+    offset = LiveTare(0, source.arrays[0], tare)
     frames = [frame for frame in map(offset, watched(source, "scan", source.frames)) if frame.valid.any()]
     if not frames:
         raise InputError(f"{scan}: no frame with a valid taxel after {tare} frames of tare, some wanted")

@@ -1,4 +1,4 @@
-"""Gains from a scan (eq. 18), taring, and what a gain is applied to."""
+"""Sensitivity from a scan (eq. 18), and gains."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 from cnnsim.support import InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.sensitivity import beta_from_scan
-from tactile.calibration.tare import Tare
-from tactile.core.frame import Frame
 from tactile.elastic.halfspace import point_load_strain
 from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import Medium
@@ -98,34 +96,6 @@ def test_scans_that_cannot_tell_are_refused() -> None:
         beta_from_scan(np.ones(3), np.ones(4))
     with pytest.raises(InputError, match="NaN"):
         beta_from_scan([1.0, np.nan, 0.0], np.ones(3))
-
-
-def frame(values: float, valid: bool = True) -> Frame:
-    plane = np.full((1, 2), True)
-    plane[0, 1] = valid
-    data = np.full((1, 2, 3), values)
-    return Frame(0, 0.0, 0, data, plane)
-
-
-def test_tare_is_the_mean_of_the_first_frames() -> None:
-    tare = Tare(3)
-    for value, valid in ((1.0, True), (2.0, False), (6.0, True)):
-        assert not tare(frame(value, valid)).valid.any()
-    after = tare(frame(10.0))
-    assert after.valid.all()
-    assert after.values[0, 0] == pytest.approx([7.0] * 3)  # mean of 1, 2, 6
-    assert after.values[0, 1] == pytest.approx([6.5] * 3)  # mean of 1, 6
-
-
-def test_tare_of_a_taxel_without_readings_and_of_no_frames() -> None:
-    tare = Tare(1)
-    tare(frame(1.0, valid=False))
-    assert tare(frame(5.0)).valid.tolist() == [[True, False]]
-    untouched = Tare(0)(frame(5.0))
-    assert untouched.valid.all()
-    assert (untouched.values == 5.0).all()
-    with pytest.raises(InputError, match="-1 frames"):
-        Tare(-1)
 
 
 def test_gains() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from tactile import Settings, run
 from tactile.calibration.gains import Gains
-from tactile.calibration.tare import Tare
+from tactile.calibration.live_tare import LiveTare
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance
@@ -21,15 +21,13 @@ PAD = TaxelArray("pad", 3, 3, 4e-3, 0.0, quantity="force")
 
 
 def checked(values: np.ndarray, array: TaxelArray = PAD, gains: Gains | None = None) -> TareCheck:
-    tare = Tare(len(values))
-    found = []
+    tare = LiveTare(0, array, len(values), gains)
     for n, one in enumerate(values):
-        tare(Frame(0, n * 0.01, n, one, np.ones(array.shape, bool)))
-        found.append(tare.check(array, gains))
-    assert found[:-1] == [None] * (len(values) - 1)
-    assert found[-1] is not None
-    assert tare.check(array, gains) is None
-    return found[-1]
+        assert not tare.notes
+        assert not tare(Frame(0, n * 0.01, n, one, np.ones(array.shape, bool))).valid.any()
+    (note,) = tare.notes
+    assert note.check is not None
+    return note.check
 
 
 def readings(normal: float = 0.0, shear: float = 0.0, noise: float = 0.003, frames: int = 100) -> np.ndarray:

@@ -1,10 +1,9 @@
-"""Calibration against what a bench knows: closed forms as truth, and scans that cannot tell."""
+"""Radial correction of located loads: closed forms as truth, and scans that are refused."""
 
 import numpy as np
 import pytest
 
 from cnnsim.support import Floats, InputError
-from tactile.calibration.from_load import depth_from_speed, gains_from_load
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection, radial_from_scan
 from tactile.core.frame import Frame, TaxelArray
@@ -24,7 +23,6 @@ def loads(places: Floats) -> Floats:
 
 
 def strain(places: Floats) -> Floats:
-    """(n, 3) of a taxel at the origin."""
     return point_load_strain((0.0, 0.0), DEPTH, loads(places), MODULUS)
 
 
@@ -33,81 +31,6 @@ def located(readings: Floats, depth: float = DEPTH) -> tuple[Floats, Floats]:
     x, y, z = readings.T
     dx, dy, force, _ = invert_strain(x, y, z, depth, MODULUS, 0.0, 1)
     return np.array([dx, dy]).T, np.asarray(force)
-
-
-def line(n: int = 61, half: float = 1.5e-4, turn: float = 0.4, y: float = 3e-5) -> tuple[Floats, Floats]:
-    """Times and places of a needle drawn at 1 mm/s along a line that runs beside the taxel."""
-    t = np.linspace(0, 2 * half / 1e-3, n)
-    along = -half + 1e-3 * t
-    return t, np.stack([along * np.cos(turn) - y * np.sin(turn), along * np.sin(turn) + y * np.cos(turn)], axis=-1)
-
-
-@pytest.mark.parametrize("wrong", [0.5, 0.9, 1.0, 1.3])
-@pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])
-def test_the_depth_comes_back_from_the_speed(wrong: float, turn: float) -> None:
-    t, places = line(turn=turn)
-    seen, _ = located(strain(places), wrong * DEPTH)
-    assert depth_from_speed(t, seen, 1e-3, wrong * DEPTH) == pytest.approx(DEPTH, rel=1e-12)
-    noisy = seen + np.random.default_rng(0).normal(0, 2e-6, seen.shape)
-    assert depth_from_speed(t, noisy, 1e-3, wrong * DEPTH) == pytest.approx(DEPTH, rel=0.02 / wrong)
-
-
-def test_the_depth_makes_the_slope_right_where_the_map_bends() -> None:
-    # feeling stress, seen as strain with beta_ns = 3/2, puts r to (sqrt(1 + 2 r^2) - 1) / r
-    t, places = line(turn=0.0, y=0.0)
-    r = places[:, 0] / DEPTH
-    bent = np.divide(np.sqrt(1 + 2 * r * r) - 1, r, out=np.zeros_like(r), where=np.abs(r) > 1e-12)
-    stress = point_load_stress((0.0, 0.0), DEPTH, loads(places)) / MODULUS
-    seen, _ = located(Gains(1.5, 1.0)(stress))
-    assert seen[:, 0] / DEPTH == pytest.approx(bent, abs=1e-12)
-    depth = depth_from_speed(t, seen, 1e-3, DEPTH)
-    assert depth / DEPTH == pytest.approx(1e-3 / (np.polyfit(t, bent, 1)[0] * DEPTH), rel=1e-12)
-    assert np.polyfit(t, located(Gains(1.5, 1.0)(stress), depth)[0][:, 0], 1)[0] == pytest.approx(1e-3, rel=1e-12)
-
-
-def test_scans_that_cannot_tell_the_depth_are_refused() -> None:
-    t, places = line()
-    noise = np.random.default_rng(1).normal(0, 1e-3, (61, 3))
-    with pytest.raises(InputError, match=r"move at .* \+- .* standard errors"):
-        depth_from_speed(t, located(noise)[0], 1e-3, DEPTH)
-    with pytest.raises(InputError, match="4 located loads, at least 5"):
-        depth_from_speed(t[:4], places[:4], 1e-3, DEPTH)
-    with pytest.raises(InputError, match=r"\(61,\).*\(60, 2\)"):
-        depth_from_speed(t, places[1:], 1e-3, DEPTH)
-    with pytest.raises(InputError, match="all 61 times"):
-        depth_from_speed(np.ones(61), places, 1e-3, DEPTH)
-    with pytest.raises(InputError, match="speed 0"):
-        depth_from_speed(t, places, 0.0, DEPTH)
-    with pytest.raises(InputError, match="not finite"):
-        depth_from_speed(t, np.where(places > 1e-4, np.nan, places), 1e-3, DEPTH)
-
-
-@pytest.mark.parametrize("sensor", [Gains(1.825, 1.25), Gains(3e-4, 2e-4), Gains(1.0, 1.0)])
-def test_the_absolute_gains_come_back_from_a_known_load(sensor: Gains) -> None:
-    _, places = line()
-    readings = strain(places) / (sensor.shear, sensor.shear, sensor.normal)
-    relative = Gains(sensor.beta_ns, 1.0)
-    found = gains_from_load(relative, located(relative(readings))[1], FORCE)
-    assert (found.shear, found.normal) == pytest.approx((sensor.shear, sensor.normal), rel=1e-12)
-    each = gains_from_load(relative, located(relative(readings))[1], np.full(61, FORCE))
-    assert each.normal == pytest.approx(sensor.normal, rel=1e-12)
-
-
-def test_loads_that_cannot_tell_the_gains_are_refused() -> None:
-    one = Gains(1.0, 1.0)
-    noise = np.random.default_rng(1).normal(0, 1e-3, (200, 3))
-    with pytest.raises(InputError, match="scatter by"):
-        gains_from_load(one, located(noise)[1], FORCE)
-    with pytest.raises(InputError, match="scatter by"):
-        gains_from_load(one, -np.ones(9), FORCE)
-    with pytest.raises(InputError, match="4 located loads"):
-        gains_from_load(one, np.ones(4), FORCE)
-    with pytest.raises(InputError, match=r"load of 0.0 N"):
-        gains_from_load(one, np.ones(9), 0.0)
-    with pytest.raises(InputError, match=r"\(9,\).*\(8,\)"):
-        gains_from_load(one, np.ones(9), np.ones(8))
-    with pytest.raises(InputError, match="not finite"):
-        gains_from_load(one, np.array([1.0] * 8 + [np.inf]), FORCE)
 
 
 def disc(n: int, reach: float) -> Floats:
