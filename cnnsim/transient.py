@@ -52,7 +52,7 @@ def run_transient(
         NotSettledError: the network did not settle within ``limit``; the error carries the result.
     """
     if engine is not None or store is not None:
-        from cnnsim.on_engine import run_on_engine  # only here: it brings processes and Zarr
+        from cnnsim.supersteps.transient import run_on_engine  # needs the extra "scale"
 
         if record is not None:
             raise InputError("record on an engine; states of large grids are not kept: no engine, or no record, wanted")

@@ -1,4 +1,4 @@
-"""The options `--engine` and `--store`: pictures of any size taken block by block, on processes or on Dask."""
+"""The options `--engine` and `--store`: large pictures computed block by block, on processes or a Dask cluster."""
 
 from contextlib import ExitStack
 from pathlib import Path
@@ -25,7 +25,7 @@ STRIP = 1024
 """Rows that are read at a time."""
 engine_option = click.option(
     "--engine", metavar="ENGINE",
-    help="Compute in blocks that lie on the disk: 'processes', 'dask' (on this machine) or 'dask=ADDRESS'.",
+    help="Compute in blocks on the disk: 'processes' of this machine, or 'dask=ADDRESS' of a Dask scheduler.",
 )  # fmt: skip
 store_option = click.option(
     "--store", type=click.Path(path_type=Path), metavar="DIR",
@@ -45,7 +45,7 @@ def check_engine_options(engine: str | None, store: Path | None, workers: int | 
         return
     for option, value in (("--workers", workers), ("--block", block)):
         if value is not None:
-            raise InputError(f"{option} {value} without an engine; --engine processes, or dask, wanted")
+            raise InputError(f"{option} {value} without an engine; --engine processes, or dask=ADDRESS, wanted")
 
 
 def run_large(
@@ -54,8 +54,7 @@ def run_large(
 ) -> None:  # fmt: skip
     """Run a template on one picture in supersteps, and write and tell the result as `run` does."""
     from cnnsim.supersteps.engine import Engine
-    from cnnsim.supersteps.pictures import open_large
-    from cnnsim.supersteps.written import write_large
+    from cnnsim.supersteps.pictures import open_large, write_large
     from cnnsim.transient import run_transient
 
     if len(pictures) != 1 or entry.frame_time is not None:
@@ -127,7 +126,6 @@ def black_cells(plane: Any) -> int:
 
 def write_result(plane: Any, path: Path) -> None:
     """Write a plane that a program on an engine gave as a picture, in strips."""
-    from cnnsim.supersteps.pictures import TiledPicture
-    from cnnsim.supersteps.written import write_large
+    from cnnsim.supersteps.pictures import write_large
 
-    write_large(TiledPicture(plane, binary=False), path, follow=False)
+    write_large(plane, path, follow=False)

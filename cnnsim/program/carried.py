@@ -37,7 +37,7 @@ def unpacked(carried: Carried, backend: Backend) -> dict[Program, Kept]:
 
 def same_program(programs: Any, program: Program) -> Program | None:
     """Return which of some programs is the same as one by what it does: a program that was copied is another object."""
-    from cnnsim.supersteps.given import signature  # only where a machine was copied
+    from cnnsim.supersteps.identity import signature  # only where a machine was copied
 
     def told(one: Program) -> str:
         return signature((one.memory, one.inputs, one.outputs, one.keep, one.steps), {})

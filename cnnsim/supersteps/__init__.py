@@ -1,1 +1,1 @@
-"""Supersteps: one large grid in blocks on the disk, several time steps of each block at a time, on many processes."""
+"""Transients and programs on large grids: Zarr arrays in blocks, several time steps of a block at a time."""

@@ -1,215 +1,142 @@
-"""The superstep loop: blocks that are awake are stepped, checked and written, then the record is replaced.
+"""Loop over supersteps: all blocks take some steps, then the record is replaced.
 
-After each superstep all blocks stand at the same step, but for those that sleep: a block whose cells, and those of all
-blocks that can reach it in a superstep, are saturated for good keeps its outputs, so it is not computed. Its states
-run towards constant drives, and are taken there when it wakes up (`Backend.catch_up`), to the bit.
+States alternate between two arrays, so no task reads what another one writes. A block is skipped when it and all blocks
+in its halo are unchanged, to the bit, by a superstep of as many steps: both arrays then hold its state.
 """
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
-from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.supersteps.block_plan import block_plan, halo_of, reach_of, wants_small_blocks, with_sleep
-from cnnsim.supersteps.block_task import BlockReport, BlockTask, Place, run_block
-from cnnsim.supersteps.depth import Depth
-from cnnsim.supersteps.progress import tell
-from cnnsim.supersteps.store import MASK, STATES, GridStore, Record
-from cnnsim.supersteps.tasks import all_done
+from cnnsim.backends.base import Check
+from cnnsim.planning.plan import Plan
+from cnnsim.supersteps.block_plan import block_plan, halo_of
+from cnnsim.supersteps.block_task import STATE, BlockReport, BlockTask, Place, run_block, worst
+from cnnsim.supersteps.blocks import Blocks
+from cnnsim.supersteps.engine import Engine, steps_of_superstep
+from cnnsim.supersteps.store import GridStore, zarr_library
+from cnnsim.support.progress import watcher
 from cnnsim.workers import Workers
 
-FEW = 8
-"""Blocks up to which none is looked at, whether it may sleep, before the first superstep: some cell moves in most."""
+STATES = ("x0", "x1")
+"""The arrays of the states: superstep n reads x(n mod 2) and writes the other one."""
 
 
 @dataclass
-class Supersteps:
-    """A transient of a large grid: its plan, its store with the record of the last superstep, and its workers.
+class Record:
+    """What a store keeps: the ``side`` of its blocks, supersteps and steps that are done, and the end of the run."""
 
-    ``given`` are the arrays besides the states; ``sleeps``: whether blocks may sleep; ``run`` tells this run from
-    others; ``devices``: what the workers have told of their OpenCL devices.
+    side: int
+    superstep: int = 0
+    step: int = 0
+    ended: bool = False
+    settled: bool = False
+    saturated: bool = False
+    rate: float = math.nan
+
+
+class Supersteps:
+    """A transient of a large grid, as far as its ``record`` says; ``planes``: the Zarr arrays it starts from, by name.
+
+    The states are arrays of the ``store``; ``skip``: whether unchanged blocks are skipped.
     """
 
-    plan: Plan
-    store: GridStore
-    record: Record
-    place: Place
-    workers: Workers
-    given: tuple[str, ...]
-    depth: int | None
-    sleeps: bool
-    run: str
-    devices: set[str] = field(default_factory=set, init=False)
-    _forced: bool = field(default=False, init=False)
-
-    def __post_init__(self) -> None:
-        self.plan = with_sleep(self.plan, sleeps=self.sleeps)
-
-    def to_the_end(self) -> None:
-        """Run superstep after superstep until the network has settled, or the time is over."""
-        plan, record, settles = self.plan, self.record, self.plan.duration == "settled"
-        if plan.method == "closed form":
-            self._closed_form()
-            return
-        every = plan.check_every if settles else None
-        small = self.sleeps and wants_small_blocks(plan, self.place.backend, has_mask=MASK in self.given)
-        depth = Depth(self.store.blocks.side, reach_of(plan), every, self.depth, sleeps=small)
-        several = record.step + depth.steps(plan.steps - record.step) < plan.steps and len(self._all) > FEW
-        if (settles or (self.sleeps and several)) and not record.checked:
-            reports = self._tasks(self._all, 0, (0,), written=False)
-            self._note(reports)
-            if settles and self._settled_at(reports, (0,)) == 0:
-                self._finish(0)
-        while record.end is None and record.step < plan.steps:
-            after = record.step + depth.steps(plan.steps - record.step)
-            checks = self._checks(after, every)
-            awake = self._awake(after - record.step)
-            self._catch_up(awake, record.step)
-            reports = self._tasks(awake, after - record.step, checks)
-            at = self._settled_at(reports, checks) if settles else None
-            if at == -1:  # a sleeping block may still be too fast for rest: all are looked at
-                self._forced = True
-                continue
-            if at is not None and at < after:
-                reports = self._tasks(awake, at - record.step, (at,))
-                after = at
-            depth.learn(reports, after - record.step)
-            self._commit(reports, after)
-            if at is not None:
-                self._finish(after)
-        if record.end is None:
-            self._finish(plan.steps)
-
-    def _closed_form(self) -> None:
-        if self.record.end is None:
-            self._commit(self._tasks(self._all, 1, ()), 1)
-            self._finish(1)
+    def __init__(
+        self, plan: Plan, store: GridStore, record: Record, planes: dict[str, Path], place: Place, engine: Engine,
+        workers: Workers, skip: bool,
+    ) -> None:  # fmt: skip
+        self.plan, self.record, self.devices = plan, record, set[str]()
+        self._store, self._planes, self._place, self._workers = store, planes, place, workers
+        self._blocks = Blocks(plan.shape, record.side, plan.boundary)
+        self._settling = plan.duration == "settled" and plan.method != "closed form"
+        self._depth = 1 if plan.method == "closed form" else steps_of_superstep(engine, plan, record.side)
+        self._skip = skip and not (self._settling and self._depth % plan.check_every)
+        self._last: dict[int, BlockReport] = {}
+        self._last_steps = -1
 
     @property
-    def _all(self) -> range:
-        return range(len(self.store.blocks))
+    def state(self) -> Path:
+        """The array with the current states."""
+        name = STATES[self.record.superstep % 2]
+        return self._store.folder / name if self.record.superstep else self._planes[STATE]
 
-    def _checks(self, after: int, every: int | None) -> tuple[int, ...]:
-        """Return the steps up to the end of a superstep after which blocks are checked."""
-        first = self.record.step + 1
-        found = {s for s in range(first, after + 1) if s % every == 0 or s == self.plan.steps} if every else set()
-        return tuple(sorted(found | ({after} if self.sleeps and after < self.plan.steps else set())))
+    def run(self) -> None:
+        """Run supersteps until the network has settled or the time is over."""
+        record, plan = self.record, self.plan
+        if not record.superstep:
+            shape = zarr_library().open_array(self.state, mode="r").shape
+            for name in STATES:
+                if self._store.folder / name != self.state:
+                    self._store.create(name, shape, self._place.dtype, record.side)
+        while not record.ended:
+            after = record.step + 1 if plan.method == "closed form" else min(record.step + self._depth, plan.steps)
+            checks = self._checks(after)
+            reports = self._tasks(after - record.step, checks, skip=self._skip)
+            found = [worst([report.checks[number] for report in reports]) for number in range(len(checks))]
+            last = next((n for n, check in enumerate(found) if check.settled or check.repeats), None)
+            if last is not None and checks[last] < after:
+                after = checks[last]
+                self._tasks(after - record.step, (), skip=False)
+            self._commit(after, None if last is None else found[last], found[-1] if found else None)
 
-    def _awake(self, steps: int) -> list[int]:
-        """Return the blocks in reach of a cell that is not saturated for good."""
-        if not self.sleeps or self._forced:
-            return list(self._all)
-        record, blocks, halo = self.record, self.store.blocks, steps * reach_of(self.plan)
-        found = set[int]()
-        for block in self._all:
-            if not record.saturated[block]:
-                found |= blocks.reached(record.moving[block] or blocks.area(block), halo)
-        return sorted(found)
+    def _checks(self, after: int) -> tuple[int, ...]:
+        """Return the steps of a superstep at which it is checked whether the network has settled."""
+        if not self._settling:
+            return ()
+        first, plan = self.record.step + (self.record.superstep > 0), self.plan
+        return tuple(step for step in range(first, after + 1) if step % plan.check_every == 0 or step == plan.steps)
 
-    def _tasks(
-        self, blocks: Iterable[int], steps: int, checks: Sequence[int], *, written: bool = True, behind: int = 0
-    ) -> list[BlockReport]:
-        """Run a task for each block, and again where a worker died."""
-        halo = halo_of(self.plan, steps, checked=bool(checks))
-        waiting = [self._task(block, steps, tuple(checks), halo, written, behind) for block in blocks]
-        waiting.sort(key=lambda task: math.prod(task.plan.shape), reverse=True)  # the last ones are soon over
-        told = partial(tell, self, tasks=len(waiting), steps=steps)
-        done = all_done(self.workers, run_block, waiting, len(self.store.blocks), told)
-        self.devices |= {report.device for report in done}
-        return done
+    def _tasks(self, steps: int, checks: tuple[int, ...], *, skip: bool) -> list[BlockReport]:
+        """Step all blocks, or those that may change, and return the reports of all."""
+        halo = halo_of(self.plan, steps)
+        waiting = [
+            self._task(block, steps, checks, halo)
+            for block in range(len(self._blocks))
+            if not (skip and steps == self._last_steps and self._stays(block, halo))
+        ]
+        waiting.sort(key=lambda task: math.prod(task.plan.shape), reverse=True)
+        reports = {block: self._last[block] for block in set(self._last) - {task.block for task in waiting}}
+        for done, report in enumerate(self._workers.map(run_block, waiting), 1):
+            reports[report.block] = report
+            self._report(steps * done / len(waiting), len(self._blocks) - len(waiting))
+        self.devices |= {report.device for report in reports.values()} - {""}
+        if self.record.superstep:  # before it the first array has other states
+            self._last, self._last_steps = reports, steps
+        return list(reports.values())
 
-    def _task(
-        self, block: int, steps: int, checks: tuple[int, ...], halo: int, written: bool, behind: int
-    ) -> BlockTask:
-        store, record = self.store, self.record
-        rows, cols, _ = store.blocks.around(block, halo)
-        planes = {near: record.plane[near] for near in store.blocks.touched(rows, cols)}
-        target = _other(record.plane[block]) if written else None
+    def _stays(self, block: int, halo: int) -> bool:
+        return all(self._last[near].unchanged for near in self._blocks.neighbours(block, halo))
+
+    def _task(self, block: int, steps: int, checks: tuple[int, ...], halo: int) -> BlockTask:
+        rows, cols, _ = self._blocks.around(block, halo)
+        target = self._store.folder / STATES[(self.record.superstep + 1) % 2]
         return BlockTask(
-            store.folder, store.blocks, self.place, block_plan(self.plan, rows, cols), block, halo, record.step, steps,
-            planes, target, self.given, checks, behind, self.run,
+            self._blocks, self._place, block_plan(self.plan, rows, cols), block, halo, self.record.step, steps, checks,
+            self._planes | {STATE: self.state}, target,
         )  # fmt: skip
 
-    def _settled_at(self, reports: Sequence[BlockReport], checks: Sequence[int]) -> int | None:
-        """Return the first check at which the transient ends, None if it goes on, -1 if a sleeping block must tell."""
-        plan = self.plan
-        asleep = set(self._all) - {report.block for report in reports}
-        for number, step in enumerate(checks):
-            if step % plan.check_every and step != plan.steps:
-                continue
-            found = [report.checks[number] for report in reports]
-            if all(check.saturated for check in found):
-                return step
-            if all(check.rate <= SETTLED_RATE for check in found):
-                if not asleep:
-                    return step
-                if all(0.5 * self._slowest(block, step) <= SETTLED_RATE for block in asleep):
-                    return -1
-            if all(check.repeats for check in found):
-                return step
-        return None
+    def _report(self, steps: float, skipped: int) -> None:
+        if (report := watcher()) is not None:
+            step, plan = self.record.step + steps, self.plan
+            share = min(1.0, step / max(plan.steps, 1)) if plan.duration != "settled" else None
+            report(share, f"t = {step * plan.step:.4g}, {skipped} of {len(self._blocks)} blocks skipped")
 
-    def _slowest(self, block: int, step: int) -> float:
-        """Return the least that the rate of a sleeping block can be: towards a constant drive a step takes off h."""
-        return self.record.rate[block] * (1 - self.plan.step) ** (step - self.record.upto[block])
-
-    def _catch_up(self, blocks: Iterable[int], step: int) -> None:
-        """Take blocks that slept to this step."""
-        by_age: dict[int, list[int]] = {}
-        for block in blocks:
-            if self.record.upto[block] < step:
-                by_age.setdefault(step - self.record.upto[block], []).append(block)
-        for behind, several in by_age.items():
-            steps = min(behind, self.plan.check_every)
-            self._moved(self._tasks(several, steps, (), behind=behind), step)
-        if by_age:
-            self.store.commit(self.record, self.run)
-
-    def _moved(self, reports: Iterable[BlockReport], step: int) -> None:
-        for report in reports:
-            self.record.plane[report.block] = _other(self.record.plane[report.block])
-            self.record.upto[report.block] = step
-
-    def _note(self, reports: Iterable[BlockReport]) -> None:
-        for report in reports:
-            if report.checks:
-                self.record.saturated[report.block] = bool(report.checks[-1].saturated)
-                self.record.rate[report.block] = float(report.checks[-1].rate)
-                self.record.moving[report.block] = report.checks[-1].moving
-        self.record.checked = True
-
-    def _commit(self, reports: Sequence[BlockReport], step: int) -> None:
-        """Replace the record: this superstep is done."""
-        self._moved(reports, step)
-        self._note(reports)
-        self.record.superstep += 1
-        self.record.step = step
-        self._forced = False
-        self.store.commit(self.record, self.run)
-
-    def _finish(self, step: int) -> None:
-        """Bring all blocks to the last step and into one array, and note how the run ended."""
-        plan, record = self.plan, self.record
-        asleep = [block for block in self._all if record.upto[block] < step]
-        self._catch_up(asleep, step)
-        t, settled, rate = float("inf") if plan.duration == "settled" else float(plan.duration), False, math.nan
+    def _commit(self, step: int, end: Check | None, last: Check | None) -> None:
+        """Replace the record: a superstep is done, which ended with the check ``end`` if the network has settled."""
+        record, plan = self.record, self.plan
+        record.superstep, record.step = record.superstep + 1, step
         if plan.method == "closed form":
-            settled, rate = plan.duration == "settled", 0.0 if plan.duration == "settled" else math.nan
-        elif plan.duration == "settled":
-            if asleep:
-                self._note(self._tasks(asleep, 0, (step,), written=False))
-            t, rate = step * plan.step, max(record.rate)
-            settled = all(record.saturated) or rate <= SETTLED_RATE
-        most = max(STATES, key=record.plane.count)
-        others = [block for block in self._all if record.plane[block] != most]
-        while others:  # from the input into the first array, and into the second one from there
-            self._moved(self._tasks(others, 0, ()), step)
-            others = [block for block in others if record.plane[block] != most]
-        record.end = {"t": t, "settled": settled, "rate": rate, "plane": most}
-        self.store.commit(record, self.run)
+            record.ended, record.settled = True, plan.duration == "settled"
+            record.rate = 0.0 if record.settled else math.nan
+        elif end is not None or step >= plan.steps:
+            found = end or last or Check(math.nan)
+            record.ended, record.settled = True, found.settled
+            record.saturated, record.rate = found.saturated, found.rate
+        self._store.commit(asdict(record))
 
-
-def _other(plane: str) -> str:
-    """Return the array that a block is written to, whose state is in the other one, or in the input."""
-    return STATES[1] if plane == STATES[0] else STATES[0]
+    @property
+    def time(self) -> float:
+        """The time at which the run ended [time constants]."""
+        if self.plan.method == "closed form":
+            return math.inf if self.plan.duration == "settled" else float(self.plan.duration)
+        return self.record.step * self.plan.step if self._settling else float(self.plan.duration)

@@ -1,160 +1,107 @@
-"""Store of a large grid: its planes as Zarr arrays, a shard for each block, and the record of the last superstep.
+"""Store of a large grid: a Zarr group with its planes in chunks, and the record of what is computed.
 
-Each block's state goes by turns between two arrays, so what a superstep reads is never what it writes. The record says
-which array has it; it is replaced as a whole after each superstep, so a run that was killed goes on from there.
+The record is an attribute of the group, which Zarr replaces as a whole, so a run that is killed resumes from it.
 """
 
 import json
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from cnnsim.supersteps.blocks import Area, Blocks, runs
-from cnnsim.supersteps.shards import Shards, create
-from cnnsim.support import Array, InputError, Integers
+from cnnsim.supersteps.blocks import Blocks
+from cnnsim.support import Array, InputError
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import make_folder
 from cnnsim.support.limits import one_line
+from cnnsim.support.progress import watcher
 
-Kept = TypeVar("Kept")
-FORMAT, VERSION = "cnnsim supersteps", 4
-STATES = ("x0", "x1")
-STATE, INPUT, MASK = "state", "input", "mask"
-
-
-@dataclass
-class Record:
-    """What is known after a superstep: its number, the step, and of each block where its state is and how it moves.
-
-    ``side``: that of the blocks; ``plane``: the array with a block's state; ``upto``: the step that it belongs to,
-    earlier than ``step`` where it sleeps; ``saturated``, ``rate``, ``moving``: what the last check of the block found,
-    the last where there are cells that are not saturated. ``linked``: planes that are read where they are, and the
-    paths there. ``end``: how the run ended.
-    """
-
-    side: int
-    superstep: int
-    step: int
-    plane: list[str]
-    upto: list[int]
-    saturated: list[bool]
-    rate: list[float]
-    moving: list[Area | None]
-    linked: dict[str, str] = field(default_factory=dict)
-    checked: bool = False
-    end: dict[str, Any] | None = None
+VERSION = 5
+CHUNK, SMALLEST_CHUNK = 512, 64
+"""Sides of a chunk [cells]: the largest, and the smallest of which several are in a block."""
 
 
 def zarr_library() -> Any:
-    """Return zarr.
+    """Return the zarr library.
 
     Raises:
         InputError: it is missing.
     """
     try:
-        import zarr  # slow to import, and only large grids need it
+        import zarr  # slow to import
     except ImportError as error:
-        raise InputError(f"large grids lie in Zarr stores, and zarr is missing: {install_line('scale')}") from error
+        raise InputError(f"large grids need zarr, which is missing: {install_line('scale')}") from error
     return zarr
 
 
 class GridStore:
-    """The arrays of one run in a folder, read by regions and written by blocks."""
+    """The Zarr group in a folder, of one run; ``kind`` is what it is a store of.
 
-    def __init__(self, folder: Path, blocks: Blocks) -> None:
-        self.folder, self.blocks = folder, blocks
-        self._group = zarr_library().open_group(folder, mode="r+")
-        self._shards: dict[str, Shards] = {}
+    Raises:
+        InputError: the folder has other files, another run, or a store of another kind or version.
+    """
 
-    def array(self, name: str) -> Any:
-        """Return an array by its name: one of the store, or one that stays where it is (see `Record.linked`)."""
-        linked = self._group.attrs.asdict().get("record", {}).get("linked", {})
-        return zarr_library().open_array(linked[name], mode="r") if name in linked else self._group[name]
+    def __init__(self, folder: Path, run: str, kind: str) -> None:
+        self.folder, self._attributes = folder, {"format": kind, "version": VERSION, "run": run}
+        zarr, mark = zarr_library(), folder / "zarr.json"
+        make_folder(folder)
+        if not mark.exists():
+            if any(folder.iterdir()):
+                raise InputError(f"{folder} is not empty and has no store; an empty folder wanted")
+            self._group = zarr.create_group(folder, attributes=self._attributes)
+            self.record: dict[str, Any] | None = None
+            return
+        with one_line(mark, "a Zarr group"):
+            found = dict(json.loads(mark.read_text(encoding="utf-8")).get("attributes", {}))
+        if found.get("format") != kind:
+            raise InputError(f"{folder} is another Zarr store, not one of {kind}; an empty folder wanted")
+        if found.get("version") != VERSION:
+            raise InputError(f"{folder} is a store of version {found.get('version')}; version {VERSION} wanted")
+        if found.get("run") != run:
+            raise InputError(
+                f"{folder} has the store of another run (other numbers or planes); a folder for each wanted"
+            )
+        with one_line(mark, "the record of a run"):
+            self._group = zarr.open_group(folder, mode="r+")
+        self.record = found.get("record")
 
-    def shards(self, name: str) -> Shards:
-        """Return the files of an array."""
-        if name not in self._shards:
-            self._shards[name] = Shards(self.array(name))
-        return self._shards[name]
+    def commit(self, record: dict[str, Any]) -> None:
+        """Replace the record as a whole."""
+        self.record = record
+        self._group.attrs.put({**self._attributes, "record": record})
 
-    def add(self, name: str, shape: tuple[int, ...], dtype: Any) -> None:
-        """Make an array of the grid, an old one of that name gone; truth values take a bit each."""
-        create(self._group, name, shape, dtype, self.blocks.side, bits=np.dtype(dtype) == bool)
-        self._shards.pop(name, None)
+    def create(self, name: str, shape: tuple[int, ...], dtype: Any, side: int, fill: float = 0) -> Any:
+        """Create an array whose chunks divide blocks of ``side`` cells; only booleans are compressed."""
+        part = next(cells for cells in range(min(side, CHUNK), 0, -1) if side % cells == 0)
+        chunk = side if part < SMALLEST_CHUNK else part
+        compressors = "auto" if np.dtype(dtype) == bool else None
+        return self._group.create_array(
+            name, shape=shape, chunks=(*shape[:-2], chunk, chunk), dtype=dtype, compressors=compressors,
+            fill_value=fill, overwrite=True,
+        )  # fmt: skip
 
-    def read(
-        self, plane: str | dict[int, str], rows: Integers, cols: Integers, dtype: Any = None, out: Array | None = None
-    ) -> Array:
-        """Return the cells in these rows and columns of one array, or of those that have the states of blocks.
+    def write_plane(
+        self, name: str, plane: Any, shape: tuple[int, ...], dtype: np.dtype[Any], blocks: Blocks, *, logic: bool
+    ) -> None:
+        """Write a plane block by block: ``logic`` as whether it is above 0, else as numbers; booleans become +1, -1.
 
-        ``dtype``: of what is returned, None for the array's own; ``out``: where they are put, if it is given.
+        Raises:
+            InputError: values that are not finite.
         """
-        names = {plane} if isinstance(plane, str) else {plane[block] for block in self.blocks.touched(rows, cols)}
-        first, side = self.shards(next(iter(names))), self.blocks.side
-        if out is None:
-            out = np.empty((*first.shape[:-2], len(rows), len(cols)), first.holds if dtype is None else dtype)
-        cut = side if len(names) > 1 else 0
-        for (p0, p1), down in runs(rows, cut):
-            for (q0, q1), across in runs(cols, cut):
-                at = down[0] // side * self.blocks.counts[1] + across[0] // side
-                source = self.shards(plane[at]) if isinstance(plane, dict) and cut else first
-                source.read(out[..., p0:p1, q0:q1], down, across)
-        return out
-
-    def write(self, name: str, area: Area, values: Array) -> None:
-        """Write one block: one shard, as it has the block's rows and columns."""
-        self.shards(name).write(area, values)
-
-    def whole(self, name: str) -> Array:
-        """Return a whole array."""
-        return self.read(name, np.arange(self.blocks.shape[0]), np.arange(self.blocks.shape[1]))
-
-    def commit(self, record: Record, run: str) -> None:
-        """Replace the record."""
-        put_record(self._group, run, asdict(record))
+        array = self.create(name, shape, bool if logic else dtype, blocks.side)
+        for block in range(len(blocks)):
+            (r0, r1), (c0, c1) = blocks.area(block)
+            values = plane_values(plane[..., r0:r1, c0:c1], dtype, logic=logic, name=name)
+            array[..., r0:r1, c0:c1] = np.broadcast_to(values, (*shape[:-2], *values.shape[-2:]))
+            if (report := watcher()) is not None:
+                report((block + 1) / len(blocks), f"{name} to {self.folder}")
 
 
-def put_record(group: Any, run: str, record: dict[str, Any], form: str = FORMAT) -> None:
-    """Replace the record of a store as a whole; a process that is killed meanwhile leaves the old one or the new."""
-    group.attrs.put({"format": form, "version": VERSION, "run": run, "record": record})
-
-
-def open_store(folder: Path, run: str, form: str = FORMAT) -> dict[str, Any] | None:
-    """Open the store of a run in a folder, or make one; return its record, None where there is none yet.
-
-    ``form``: what the store is of, a transient or a program.
-
-    Raises:
-        InputError: the folder has something else, another run, or a store of another version; it cannot be made.
-    """
-    zarr = zarr_library()
-    make_folder(folder)
-    mark = folder / "zarr.json"
-    if not mark.exists():
-        if any(folder.iterdir()):
-            raise InputError(f"{folder} is not empty, and has no store; a folder of its own wanted")
-        zarr.create_group(folder, attributes={"format": form, "version": VERSION, "run": run})
-        return None
-    with one_line(mark, "the mark of a store"):
-        attributes = dict(json.loads(mark.read_text(encoding="utf-8")).get("attributes", {}))
-    if attributes.get("format") != form:
-        raise InputError(f"{folder} is another Zarr store, not one of {form}; a folder of its own wanted")
-    if attributes.get("version") != VERSION:
-        raise InputError(f"{folder} is a store of version {attributes.get('version')}; version {VERSION} wanted")
-    if attributes.get("run") != run:
-        raise InputError(f"{folder} has the store of another run (other numbers or planes); a folder for each wanted")
-    kept: dict[str, Any] | None = attributes.get("record")
-    return kept
-
-
-def record_of(folder: Path, kind: Callable[..., Kept], kept: dict[str, Any]) -> Kept:
-    """Return the record of a store as a value of its kind.
-
-    Raises:
-        InputError: it is none.
-    """
-    with one_line(folder / "zarr.json", "the record of a run"):
-        return kind(**kept)
+def plane_values(part: Any, dtype: np.dtype[Any], *, logic: bool, name: str) -> Array:
+    """Return a part of a plane as it is stored, see `GridStore.write_plane`."""
+    values = np.asarray(part)
+    if values.dtype.kind == "f" and not np.isfinite(values).all():
+        raise InputError(f"{name} holds values that are not finite; finite numbers wanted")
+    if logic:
+        return values > 0
+    return np.where(values, 1, -1).astype(dtype) if values.dtype == bool else values.astype(dtype, copy=False)

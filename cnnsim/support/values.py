@@ -24,8 +24,8 @@ def is_whole(value: Any) -> TypeGuard[int]:
 
 
 def is_stored(plane: Any) -> bool:
-    """Return whether a plane is a Zarr array, told without importing zarr, or a picture that is read in parts."""
-    return type(plane).__module__.split(".")[0] == "zarr" or getattr(plane, "in_parts", False) is True
+    """Return whether a plane is a Zarr array, without importing zarr."""
+    return type(plane).__module__.split(".")[0] == "zarr"
 
 
 def stored_plane(name: str, plane: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The command `sweep`, for any registry of kinds: a sweep's file run to a table and to plots."""
+"""The command `sweep`: runs the cases of a TOML file to a Parquet table, and draws plots of it."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,14 +8,14 @@ import click
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.terminal import echo, say
 
-KEPT = 20
-"""Failures that are shown as JSON; the table has all."""
+ERRORS = 20
+"""Errors that the JSON output lists; the table has all."""
 
 
 def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) -> click.Command:
-    """Return the command of a ``program`` whose sweeps are of these ``kinds``: the module of each.
+    """Return the command `sweep` of a ``program`` with these ``kinds``: the module of each by name.
 
-    Its help has a ``file`` and a ``plot`` as examples.
+    ``file`` and ``plot`` are examples for its help.
     """
 
     @click.command(
@@ -28,8 +28,8 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
 
         SPEC is a TOML file with a kind ({", ".join(kinds)}) and a [grid] of choices.
 
-        The table is DIR/table.parquet, a row a case; a case that fails is a row with its error. Run again after a
-        crash, or with --plot, it goes on with what is there.""",
+        The table is DIR/table.parquet with one row a case; the row of a case that fails has its error. The same
+        command resumes a stopped sweep.""",
     )
     @click.argument("spec", type=click.Path(path_type=Path))
     @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="DIR",
@@ -37,7 +37,7 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
     @click.option("--plot", "plots", multiple=True, metavar="X,Y[,COLOUR]",
                   help="Draw column Y against X, in colours by a third; may be repeated.")  # fmt: skip
     @click.option("--engine", default="processes", show_default=True,
-                  help="Where: processes, dask (on this machine) or dask=ADDRESS of a scheduler.")  # fmt: skip
+                  help="Where: processes of this machine, or dask=ADDRESS of a scheduler.")  # fmt: skip
     @click.option("--workers", type=click.IntRange(1), help="Worker processes; without it one a core.")
     @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
     def sweep(
@@ -56,13 +56,13 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
         if as_json:
             errors = [{"case": row["case"], "error": row["error"]} for row in found.rows if row.get("error")]
             print_json({"cases": len(found.rows), "run": found.run, "failed": found.failed, "seconds": found.seconds,
-                        "busy": found.busy, "table": str(found.file), "plots": list(map(str, drawn)),
-                        "errors": errors[:KEPT]})  # fmt: skip
+                        "table": str(found.file), "plots": list(map(str, drawn)),
+                        "errors": errors[:ERRORS]})  # fmt: skip
             return
-        told = f"{len(found.rows)} cases, {found.run} run now, {found.failed} failed"
+        text = f"{len(found.rows)} cases, {found.run} run now, {found.failed} failed"
         if found.run:
-            told += f", {found.seconds:.3g} s, {100 * found.busy:.0f} % of the cores' time in kernels"
-        say(f"{told} -> {found.file}")
+            text += f", {found.seconds:.3g} s"
+        say(f"{text} -> {found.file}")
         for path in drawn:
             echo(f"-> {path}")
 

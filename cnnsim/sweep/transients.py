@@ -9,7 +9,7 @@ from cnnsim.library.catalogue import load
 from cnnsim.network import Template, parse_boundary
 from cnnsim.support import Array, InputError
 from cnnsim.support.toml_file import in_range
-from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
+from cnnsim.sweep.kind import Case, Kind, Row
 from cnnsim.transient import run_transient
 
 KEYS = {
@@ -77,8 +77,7 @@ def run(cases: Sequence[Case]) -> list[Row]:
         changes["duration"] = first["time"]
     task = entry.changed({**planes, **entry.rules(shown.shape[-2:], 1, limit=first.get("limit"))}, changes)
     where = {"backend": first.get("backend", "cpu"), "dtype": first.get("dtype")}
-    with in_kernels():
-        y = run_transient(_changed(entry.network, first), **task, **where).y
+    y = run_transient(_changed(entry.network, first), **task, **where).y
     return _row_of_each(y, shown)
 
 

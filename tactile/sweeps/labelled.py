@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.support import InputError
-from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
+from cnnsim.sweep.kind import Case, Kind, Row
 from tactile.core.source import Source, provenance
 from tactile.score.labels import read_labels
 from tactile.score.match import WINDOW
@@ -64,8 +64,7 @@ def run_one(case: Case) -> Row:
         return source, tared.settings(source)
 
     window = case["window_ms"] * 1e-3 if "window_ms" in case else WINDOW
-    with in_kernels():
-        found = score(Path(case["recordings"]), read_labels(Path(case["labels"])), opened, window).plain()
+    found = score(Path(case["recordings"]), read_labels(Path(case["labels"])), opened, window).plain()
     row: Row = {}
     for kind, figures in found.pop("kinds").items():
         if not kind.startswith(MARK):  # the baselines know no thresholds

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
+from cnnsim.sweep.kind import Case, Kind, Row
 from tactile.output.collected import Collected
 from tactile.output.ground_truth import truth_of
 from tactile.pipeline import run as run_pipeline
@@ -91,8 +91,7 @@ def run_one(case: Case) -> Row:
     settings = PipelineOptions(**chosen).settings(scene)
     seen = Collected(truth_of(scene))
     begun = perf_counter()
-    with in_kernels():
-        run_pipeline(scene, settings, [seen])
+    run_pipeline(scene, settings, [seen])
     seconds = perf_counter() - begun
     errors = np.concatenate([seen.errors(array.name) for array in scene.arrays])
     known = errors[np.isfinite(errors[:, 0])]

@@ -5,12 +5,12 @@ import os
 from pathlib import Path
 
 from tests.benchmarks.accuracy.page import write_page
-from tests.benchmarks.scaling import grids, on_paper, places, rates
+from tests.benchmarks.scaling import grids, rates
 
 HEAD = """# Scaling: from 2 x 2 taxels to grids that outgrow a machine
 
-Rebuilt by `make scaling`, on one machine; times are of that one. How to run large grids and sweeps, on a laptop or on a
-cluster, is in [scale.md](scale.md).
+Written by `make scaling`; all times are of one machine. [scale.md](scale.md) says how to run large grids and sweeps
+on a laptop or a cluster.
 """
 
 
@@ -25,11 +25,7 @@ def main() -> None:
     if given.short:
         rates.PATIENCE = 0.1
     touch = rates.section(rates.SIDES[:4] if given.short else rates.SIDES)
-    located = places.section(6 if given.short else 60)
-    grid = grids.section(1024 if given.short else given.side)
-    of = {row["taxels a side"]: row for row in touch.rows}
-    cell_step = 1e-9 * 2 * grid.rows[0]["ns a cell-step"]  # of one core: two workers share it
-    sections = [touch, located, grid, on_paper.section(cell_step, of[8]["frame"])]
+    sections = [touch, grids.section(1024 if given.short else given.side)]
     write_page(sections, given.output, "scaling", HEAD)
     print(f"{given.output / 'scaling.md'} written")
 

@@ -14,12 +14,12 @@ from tactile.settings import Settings
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.scene.scene import Scene
 from tests.benchmarks.accuracy.section import Section
-from tests.benchmarks.scaling.taxels import MODULUS, Windows, array_of, frame_of, random_loads
+from tests.benchmarks.scaling.taxels import MODULUS, array_of, frame_of, random_loads
 
 SIDES = (2, 8, 32, 128, 512, 1024)
 PATIENCE = 1.0
 """Seconds for the timing of one stage; its median counts."""
-STAGES = ("simulator", "inverse", "all taxels", "window", "events", "frame")
+STAGES = ("simulator", "inverse", "all taxels", "events", "frame")
 LINKS = (0.0921, "UART 921 600 baud"), (1.2, "USB full speed"), (40, "USB high speed"), (110, "gigabit Ethernet")
 """What links carry [MB/s]."""
 HEADER, CRC, FRAMING = 17, 2, 2
@@ -56,7 +56,7 @@ def measured(side: int) -> dict[str, Any]:
     inverse, machine = finger._inverse, finger._machine
     assert inverse is not None
     signals = {name: frame.values[..., i] for i, name in enumerate(inverse.inputs)}
-    window, load, count = Windows(array), finger.locate(frame), [0]
+    load, count = finger.locate(frame), [0]
 
     def notice() -> None:
         count[0] += 1
@@ -72,7 +72,6 @@ def measured(side: int) -> dict[str, Any]:
     row["inverse"] = timed(lambda: machine.run(inverse, **signals))
     planes = tuple(machine.run(inverse, **signals).values())
     row["all taxels"] = timed(lambda: localise(array.positions(), planes[:4], planes[4:], array.depth))
-    row["window"] = timed(lambda: window.locate(frame))
     row["events"] = timed(notice)
     row["frame"] = timed(whole)
     return row | {"bytes": wire_bytes(side), "MB/s at 1 kHz": wire_bytes(side) / 1000}
@@ -100,8 +99,7 @@ def section(sides: tuple[int, ...] = SIDES) -> Section:
             + (
                 "one core still keeps up with 1 kHz."
                 if of[32]["frame"] < 1e-3
-                else f"one core keeps up with {1 / of[32]['frame']:.0f} Hz, and localisation from a local window "
-                f"({1e6 * of[32]['window']:.0f} us in place of {1e6 * of[32]['all taxels']:.0f}) is the first cure."
+                else f"one core keeps up with {1 / of[32]['frame']:.0f} Hz."
             )
         )
     return Section(
@@ -111,11 +109,9 @@ def section(sides: tuple[int, ...] = SIDES) -> Section:
 
 _TEXT = """\
 A frame under one load with 0.3 % noise, {pitch} mm pitch and depth, median times on this machine ({note}). *simulator*:
-a frame of the half-space; *inverse*: every taxel's own load; *all taxels*: the consensus of all, and least squares,
-after a look for several loads on pads above 16 x 16;
-*window*: inverse and localisation with the taxels within 2.5 depths of a peak alone; *events*: tare, comparators and
-detectors; *frame*: tare, inverse, localisation and events, which is the latency from the last byte to the event. At
-constant area the times are the same, as they follow the taxels; what changes with the pitch is in section 2.
+a frame of the half-space; *inverse*: the load of each taxel; *all taxels*: the consensus of all taxels and a least
+squares fit, on pads above 16 x 16 of several loads; *events*: tare, comparators and detectors; *frame*: tare, inverse,
+localisation and events, the latency from the last byte to the event.
 
 | taxels | {stages} | bytes | MB/s at 1 kHz |
 |---|{rule}---|---|

@@ -1,21 +1,14 @@
-"""Arrays of taxels under point loads, as the scaling study presses them: frames with noise, and the loads located."""
-
-from typing import Any
+"""Arrays of taxels under random point loads: frames with noise for the scaling study."""
 
 import numpy as np
-from scipy.ndimage import maximum_filter
 
 from cnnsim.support import Floats
 from tactile.core.frame import Frame, TaxelArray
 from tactile.elastic.halfspace import point_load_strain
-from tactile.finger import Finger
-from tactile.settings import Settings
 
 MODULUS, DEPTH, PITCH, SIDE = 2.4e6, 1.5e-3, 1.5e-3, 12e-3
 """Young's modulus [Pa], depth [m], pitch [m] at constant pitch, side of the array [m] at constant area."""
 FORCE = 0.5
-WINDOW = 2.5
-"""Half the side of a local window, in depths: at this distance a load's strain is a hundredth of that under it."""
 
 
 def array_of(side: int, pitch: float = PITCH, depth: float = DEPTH) -> TaxelArray:
@@ -46,45 +39,3 @@ def random_loads(array: TaxelArray, count: int, apart: float, random: np.random.
     loads[:, :2], loads[:, 2:4] = places, random.uniform(-0.1, 0.1, (len(places), 2))
     loads[:, 4] = FORCE * random.uniform(0.7, 1.3, len(places))
     return loads
-
-
-def place_errors(found: Any, loads: Floats) -> list[float]:
-    """Return the distance [m] from each load to the nearest located one; infinity where nothing was located."""
-    places = np.array([(load.x, load.y) for load in (found, *found.others) if np.isfinite(load.x)]).reshape(-1, 2)
-    if not len(places):
-        return [np.inf] * len(loads)
-    return [float(np.hypot(*(places - load[:2]).T).min()) for load in loads]
-
-
-class Windows:
-    """Locates loads one by one, each from the taxels in a window around a peak of the normal signal."""
-
-    def __init__(self, array: TaxelArray) -> None:
-        self._array, self._reach = array, max(1, int(np.ceil(WINDOW * array.depth / array.pitch)))
-        self._fingers: dict[tuple[int, int], Finger] = {}
-
-    def peaks(self, values: Floats) -> list[tuple[int, int]]:
-        """Return the taxels that feel most within two depths, above a fifth of the strongest."""
-        height = -values[..., 2]
-        near = 2 * max(1, int(self._array.depth / self._array.pitch)) + 1
-        high = (maximum_filter(height, near) == height) & (height > 0.2 * height.max())
-        return [(int(i), int(j)) for i, j in np.argwhere(high)]
-
-    def locate(self, frame: Frame) -> Floats:
-        """Return the located loads as places (n, 2) [m]."""
-        places = []
-        for i, j in self.peaks(frame.values):
-            r0, r1 = max(0, i - self._reach), min(self._array.rows, i + self._reach + 1)
-            c0, c1 = max(0, j - self._reach), min(self._array.cols, j + self._reach + 1)
-            finger = self._finger(r1 - r0, c1 - c0)
-            load = finger.locate(Frame(0, 0.0, 0, frame.values[r0:r1, c0:c1], frame.valid[r0:r1, c0:c1]))
-            at = self._array.positions()[r0:r1, c0:c1].mean(axis=(0, 1))
-            places.append((load.x + at[0], load.y + at[1]))
-        found: Floats = np.array(places).reshape(-1, 2)
-        return found[np.isfinite(found).all(axis=1)]
-
-    def _finger(self, rows: int, cols: int) -> Finger:
-        if (rows, cols) not in self._fingers:
-            cut = TaxelArray("window", rows, cols, self._array.pitch, self._array.depth)
-            self._fingers[rows, cols] = Finger(cut, MODULUS, Settings())
-        return self._fingers[rows, cols]

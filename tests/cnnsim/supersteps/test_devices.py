@@ -35,10 +35,9 @@ def test_each_worker_computes_on_a_device_of_its_own(tmp_path: Path) -> None:
     run = [sys.executable, str(tmp_path / "run.py"), "2"]
     same, decisions = json.loads(subprocess.run(run, env=ENVIRONMENT, capture_output=True, check=True).stdout)
     assert same
-    assert decisions["engine"] == "processes: 2 workers, blocks of 16 x 16 cells, 36 of them"
+    assert decisions["engine"] == "processes: 2 workers, blocks of 16 x 16 cells"
     assert decisions["devices"].startswith("0: pthread")
     assert "; 1: pthread" in decisions["devices"]
-    assert decisions["devices"].endswith("each worker has one of its own, in turn if there are more")
 
 
 def test_a_device_that_the_environment_names_is_everybodys(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,53 +1,78 @@
-import math
+"""Engines: names, sides of blocks, steps of a superstep, missing libraries."""
 
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
 import pytest
 
+import cnnsim
 from cnnsim.network import ZERO_FLUX, Template
 from cnnsim.planning.plan import make_plan
-from cnnsim.supersteps.block_task import BlockReport
-from cnnsim.supersteps.depth import Depth
-from cnnsim.supersteps.engine import WORKER_BYTES, Engine, side_of_blocks, worker_bytes
+from cnnsim.supersteps.engine import Engine, side_of_blocks, steps_of_superstep
+from cnnsim.support import InputError
+from cnnsim.sweep.table import SweepTable
+from cnnsim.workers import open_workers
 
 
 @pytest.mark.parametrize("workers", [1, 2, 3, 7])
 @pytest.mark.parametrize("rows", [64, 1000, 4096, 10000, 16384, 65536])
-def test_blocks_fit_leave_no_slivers_and_keep_all_workers_busy(
+def test_blocks_fit_in_memory_are_of_one_size_and_occupy_all_workers(
     rows: int, workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CNNSIM_MEMORY", "16G")
-    for sleeps in (False, True):
-        side = side_of_blocks(Engine(), (rows, rows), workers, sleeps=sleeps)
+    for settling in (False, True):
+        side = side_of_blocks(Engine(), (rows, rows), workers, settling=settling)
         down = math.ceil(rows / side)
-        assert side <= 4096
         assert 64 * workers * side**2 <= 8e9
-        assert sleeps or (down * side - rows) / side < 0.5  # the last ones are blocks, too
+        assert (down * side - rows) / side < 0.5
         if rows > 1000:
-            assert down**2 / workers / math.ceil(down**2 / workers) > 0.7  # hardly anybody waits
-        if sleeps and rows > 64:
-            assert down**2 >= 4 * workers
-        if sleeps and rows > 1000:  # a front from the edges keeps few awake
-            assert 4 * (down - 1) / down**2 <= (0.13 if rows >= 16384 else 0.25 if rows >= 8192 else 0.44)
+            assert down**2 / workers / math.ceil(down**2 / workers) > 0.7
+    assert side_of_blocks(Engine(side=48), (rows, rows), workers, settling=True) == 48
 
 
-def test_the_depth_is_what_costs_least_by_the_measured_rates() -> None:
-    def learnt(disk: float, stepping: float) -> int:
-        depth = Depth(1024, 1, None, None)
-        depth.learn([BlockReport(0, (), disk, stepping)], 16)
-        return depth.steps(10**6)
-
-    assert learnt(0.001, 1.0) < learnt(0.1, 1.0) < learnt(1.0, 1.0)
-
-    def cost(d: int) -> float:  # of a step: cells of a halo that becomes narrower, and the disk once in d steps
-        return 1.0 / 16 * ((1024 + d) / (1024 + 16)) ** 2 + 0.1 / d
-
-    assert abs(learnt(0.1, 1.0) - min((int(2 ** (p / 2)) for p in range(17)), key=cost)) <= 1
-    assert math.isclose(cost(16), 1.0 / 16 + 0.1 / 16)
+def test_less_memory_gives_smaller_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CNNSIM_MEMORY", "512M")
+    assert side_of_blocks(Engine(), (32768, 32768), 2, settling=False) <= 1472
+    with pytest.raises(InputError, match="2 workers with blocks of 2000 x 2000 cells needs"):
+        x = np.zeros((2000, 2000), np.float32)
+        cnnsim.run_transient(Template(2.0), state=x, duration=1.0, step=0.1, engine=Engine(workers=2, side=2000))
 
 
-@pytest.mark.parametrize("scheme", ["euler", "rk4"])
-@pytest.mark.parametrize("backend", ["cpu", "opencl"])
-def test_a_worker_takes_what_its_backend_makes_of_a_block(backend: str, scheme: str) -> None:
-    plan = make_plan(Template(2.0), (512, 512), ZERO_FLUX, duration=1.0, scheme=scheme)
-    needed = worker_bytes(plan, 100, 0, 1, 4, 1, has_mask=False, backend=backend)
-    planes = (needed - WORKER_BYTES) / (4 * 100**2)
-    assert planes == 8  # two given, the end, w, a plane to step to; as read, as given
+def test_a_superstep_until_settled_has_whole_check_intervals() -> None:
+    template = Template([[0, 0.1, 0], [0.1, 2, 0.1], [0, 0.1, 0]])
+    settling = make_plan(template, (512, 512), ZERO_FLUX)
+    assert settling.check_every == 10
+    assert [steps_of_superstep(Engine(), settling, side) for side in (64, 512, 4096)] == [4, 30, 250]
+    timed = make_plan(template, (512, 512), ZERO_FLUX, duration=50.0)
+    assert steps_of_superstep(Engine(), timed, 4096) == 250  # two supersteps of 500 steps
+    assert steps_of_superstep(Engine(depth=7), timed, 4096) == 7
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("dask", "engine 'dask' without an address; dask=tcp://HOST:PORT of a running scheduler wanted"),
+        ("dask=", "engine 'dask=' without an address"),
+        ("spark", "engine 'spark'; processes or dask=ADDRESS wanted"),
+        ("dask=nowhere", "no scheduler answers at nowhere"),
+    ],
+)
+def test_wrong_names_are_refused_in_one_line(name: str, message: str) -> None:
+    pytest.importorskip("distributed")
+    with pytest.raises(InputError, match=message) as found, open_workers(name):
+        pass
+    assert "\n" not in str(found.value)
+
+
+def test_without_the_extra_one_line_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    wanted = pytest.raises(InputError, match=r"missing: pip install .*scale")
+    for library in ("zarr", "distributed", "pyarrow"):
+        monkeypatch.setitem(sys.modules, library, None)
+    with wanted:
+        cnnsim.run_transient(cnnsim.Template(1.0), state=np.zeros((4, 4)), duration=1.0, engine="processes")
+    with wanted, open_workers("dask=tcp://127.0.0.1:1"):
+        pass
+    with wanted:
+        SweepTable(tmp_path, "")

@@ -1,4 +1,4 @@
-"""Runs in processes of their own, killed in mid-run: on worker processes, and on a Dask cluster started here."""
+"""Runs that are killed and resumed, on worker processes and on a Dask cluster."""
 
 import json
 import os
@@ -59,7 +59,7 @@ def whole() -> np.ndarray:
     return np.asarray(cnnsim.run("averaging-threshold", PICTURE, duration=12.0).y)
 
 
-def test_everything_killed_in_mid_run_goes_on_from_the_last_superstep(tmp_path: Path) -> None:
+def test_a_run_that_is_killed_resumes_from_its_last_superstep(tmp_path: Path) -> None:
     run = start(tmp_path)
     wait_for_superstep(tmp_path, run, 2)
     os.killpg(run.pid, signal.SIGKILL)
@@ -88,7 +88,7 @@ def wait_until_done(folder: Path, run: "subprocess.Popen[str]", count: int) -> N
         time.sleep(0.01)
 
 
-def test_a_program_loses_a_worker_then_everything_and_goes_on(tmp_path: Path) -> None:
+def test_a_program_survives_a_killed_worker_and_resumes_when_all_are_killed(tmp_path: Path) -> None:
     np.save(tmp_path / "p.npy", PICTURE[:64, :70] > 0)
     call = "program size-sorting --input picture=p.npy --block 24 --workers 2 --store blocks -o out"
 
@@ -103,7 +103,7 @@ def test_a_program_loses_a_worker_then_everything_and_goes_on(tmp_path: Path) ->
     children = Path(f"/proc/{run.pid}/task/{run.pid}/children")
     workers = [
         int(child) for child in (children.read_text() if children.exists() else "").split()
-        if b"popen_loky" in Path(f"/proc/{child}/cmdline").read_bytes()
+        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()
     ]  # fmt: skip
     for worker in workers[:1]:
         os.kill(worker, signal.SIGKILL)
@@ -123,7 +123,7 @@ def test_a_program_loses_a_worker_then_everything_and_goes_on(tmp_path: Path) ->
         assert np.array_equal(shown, value)
 
 
-def test_a_dask_cluster_of_separate_processes_loses_a_worker_and_its_scheduler(tmp_path: Path) -> None:
+def test_a_dask_cluster_loses_a_worker_and_then_its_scheduler(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     file = tmp_path / "scheduler.json"
     dask = [sys.executable, "-m", "dask"]
@@ -147,10 +147,10 @@ def test_a_dask_cluster_of_separate_processes_loses_a_worker_and_its_scheduler(t
         head.kill()
         _, errors = run.communicate(timeout=200)
         assert run.returncode == 2, errors
-        assert "has gone; store keeps superstep" in errors
+        assert "is lost; store keeps superstep" in errors
         assert "Traceback" not in errors
         kept = supersteps(tmp_path)
-        again = start(tmp_path)  # elsewhere: the store does not mind
+        again = start(tmp_path)  # with another engine
         _, errors = again.communicate(timeout=200)
         assert again.returncode == 0, errors
         assert supersteps(tmp_path) > kept

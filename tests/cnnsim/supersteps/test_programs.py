@@ -1,4 +1,4 @@
-"""Whole programs on planes that lie on the disk: the dense machine's bits, and what is kept."""
+"""Programs on an engine: the bits of a run in memory, kept planes, Zarr arrays as inputs and outputs."""
 
 from pathlib import Path
 from typing import Any
@@ -7,7 +7,7 @@ import pytest
 
 import cnnsim
 from cnnsim import UniversalMachine, load_program
-from cnnsim.supersteps.shards import Shards
+from cnnsim.supersteps.store import GridStore
 from tests.kits.program import load
 from tests.kits.stored_program import EVERYTHING, SHAPE, WAYS, assert_same, one, planes_of
 
@@ -53,25 +53,22 @@ def test_grids_of_a_batch_have_a_wire_each(tmp_path: Path) -> None:
     assert_same(UniversalMachine(engine=one()).run(program, **planes), UniversalMachine().run(program, **planes))
 
 
-def files(store: Path) -> int:
-    return sum(path.name not in ("zarr.json", "outputs") for path in store.iterdir())
+def test_planes_without_a_later_use_are_deleted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    most, create, store = [0], GridStore.create, tmp_path / "store"
 
+    def planes_in_store() -> int:
+        return sum(path.name not in ("zarr.json", "outputs") for path in store.iterdir())
 
-def test_planes_that_nobody_needs_go_and_black_and_white_takes_bits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    most, write = [0], Shards.write
+    def counted(grid: GridStore, *given: Any) -> Any:
+        most[0] = max(most[0], planes_in_store())
+        return create(grid, *given)
 
-    def counted(shards: Shards, *given: Any) -> None:
-        write(shards, *given)
-        most[0] = max(most[0], files(tmp_path / "store"))
-
-    monkeypatch.setattr(Shards, "write", counted)
+    monkeypatch.setattr(GridStore, "create", counted)
     program = load_program("texture-segmentation")
     planes = planes_of(program, (30, 37))
-    found = cnnsim.run_program(program, engine=one(), store=tmp_path / "store", **planes)
+    found = cnnsim.run_program(program, engine=one(), store=store, **planes)
     assert 2 <= most[0] <= len(program.memory) + 2
-    assert files(tmp_path / "store") == 0  # results alone are left
+    assert planes_in_store() == 0
     assert_same(found, cnnsim.run_program(program, **planes))
 
 

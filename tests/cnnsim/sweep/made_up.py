@@ -6,20 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cnnsim.support import InputError
-from cnnsim.sweep.kind import Case, Kind, Row, in_kernels
+from cnnsim.sweep.kind import Case, Kind, Row
 
 
 def run(cases: Sequence[Case]) -> list[Row]:
-    with in_kernels():
-        for case in cases:
-            if "log" in case:
-                with Path(case["log"]).open("a") as log:
-                    log.write(f"{case['n']} ")
-            if case["n"] in case.get("fails", []):
-                raise InputError(f"{case['n']} is bad; another wanted")
-            if case["n"] in case.get("kills", []):
-                os.kill(os.getpid(), signal.SIGKILL)
-        return [{"square": case["n"] ** 2, "together": len(cases)} for case in cases]
+    for case in cases:
+        if "log" in case:
+            with Path(case["log"]).open("a") as log:
+                log.write(f"{case['n']} ")
+        if case["n"] in case.get("fails", []):
+            raise InputError(f"{case['n']} is bad; another wanted")
+        if case["n"] in case.get("kills", []):
+            os.kill(os.getpid(), signal.SIGKILL)
+    return [{"square": case["n"] ** 2, "together": len(cases)} for case in cases]
 
 
 def check(case: Case) -> None:

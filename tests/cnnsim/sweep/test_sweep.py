@@ -6,9 +6,8 @@ import pytest
 import cnnsim
 from cnnsim.support import InputError
 from cnnsim.sweep import transients
-from cnnsim.sweep.job import Done
 from cnnsim.sweep.plot import draw_columns, parse_plot
-from cnnsim.sweep.run import FIRST, JOB_SECONDS, SHORTEST, SweepSummary, _Pace, run_sweep
+from cnnsim.sweep.run import SweepSummary, run_sweep
 from cnnsim.sweep.spec import read_sweep
 from cnnsim.sweep.table import SweepTable
 
@@ -16,6 +15,7 @@ KINDS = {"made-up": "tests.cnnsim.sweep.made_up"}
 
 
 def swept(tmp_path: Path, text: str, workers: int = 1) -> SweepSummary:
+    tmp_path.mkdir(exist_ok=True)
     (tmp_path / "spec.toml").write_text(f'kind = "made-up"\n{text}')
     return run_sweep(read_sweep(tmp_path / "spec.toml", KINDS), tmp_path / "out", workers=workers)
 
@@ -27,7 +27,8 @@ def test_every_combination_is_a_case_and_has_its_row_the_last_key_changing_faste
     ]  # fmt: skip
     assert found.failed == 0
     assert found.run == 6
-    assert [row["together"] for row in found.rows[:3]] == [3, 3, 3]  # a launch of all of one group
+    assert {row["together"] for row in found.rows} == {1}  # a quarter of a group of 3
+    assert {row["together"] for row in swept(tmp_path / "b", "[grid]\nn = { from = 0, count = 80 }\n").rows} == {20}
 
 
 def test_a_range_may_be_even_or_logarithmic(tmp_path: Path) -> None:
@@ -40,7 +41,7 @@ def test_a_range_may_be_even_or_logarithmic(tmp_path: Path) -> None:
     assert sweep.grid["fails"] == (0.0, 0.5, 1.0)
 
 
-def test_a_case_that_fails_is_a_row_with_its_error_and_takes_no_other_with_it(tmp_path: Path) -> None:
+def test_a_case_that_fails_is_a_row_with_its_error(tmp_path: Path) -> None:
     found = swept(tmp_path, "[grid]\nn = { from = 0, count = 40 }\n[fixed]\nfails = [7, 23]\n")
     assert found.failed == 2
     assert found.rows[7]["error"] == "InputError: 7 is bad; another wanted"
@@ -49,20 +50,22 @@ def test_a_case_that_fails_is_a_row_with_its_error_and_takes_no_other_with_it(tm
     ]
 
 
-def test_a_process_that_dies_costs_the_case_that_killed_it(tmp_path: Path) -> None:
+def test_a_case_that_kills_its_process_is_a_row_with_its_error(tmp_path: Path) -> None:
     found = swept(tmp_path, "[grid]\nn = { from = 0, count = 6 }\n[fixed]\nkills = [4]\n", workers=2)
     assert [row["case"] for row in found.rows if row["error"]] == [4]
     assert found.rows[4]["error"] == "its process died"
     assert [row["square"] for row in found.rows if not row["error"]] == [n * n for n in range(6) if n != 4]
 
 
-def test_a_sweep_that_was_stopped_goes_on_with_the_cases_that_have_no_row(tmp_path: Path) -> None:
+def test_a_stopped_sweep_runs_the_cases_without_a_row(tmp_path: Path) -> None:
     log = tmp_path / "log"
     (tmp_path / "spec.toml").write_text(
         f'kind = "made-up"\n[grid]\nn = {{ from = 0, count = 9 }}\n[fixed]\nlog = "{log}"\n'
     )
     sweep = read_sweep(tmp_path / "spec.toml", KINDS)
-    SweepTable(tmp_path / "out", sweep.digest).add([{"case": k, "n": k, "square": k * k} for k in (0, 1, 2, 5)])
+    table = SweepTable(tmp_path / "out", sweep.digest)
+    table.add([{"case": k, "n": k, "square": k * k} for k in (0, 1, 2, 5)])
+    table.write()
     found = run_sweep(sweep, tmp_path / "out", workers=1)
     assert found.run == 5
     assert sorted(map(int, log.read_text().split())) == [3, 4, 6, 7, 8]
@@ -72,8 +75,11 @@ def test_a_sweep_that_was_stopped_goes_on_with_the_cases_that_have_no_row(tmp_pa
 
 def test_a_folder_of_another_sweep_is_refused(tmp_path: Path) -> None:
     swept(tmp_path, "[grid]\nn = [1, 2]\n")
-    with pytest.raises(InputError, match="rows of another sweep; a folder for each wanted"):
+    with pytest.raises(InputError, match="table of another sweep; a folder for each wanted"):
         swept(tmp_path, "[grid]\nn = [1, 3]\n")
+    (tmp_path / "out" / "table.parquet").write_bytes(b"PAR1")
+    with pytest.raises(InputError, match=r"table\.parquet: cannot be read as the table of a sweep"):
+        swept(tmp_path, "[grid]\nn = [1, 2]\n")
 
 
 @pytest.mark.parametrize(
@@ -89,7 +95,7 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path: Path) -> None:
         ("[grid]\nn = [1]\nm = { from = 0.0, to = 1.0, count = 3, spacing = 'log' }\n", "log above 0"),
     ],
 )
-def test_a_wrong_file_is_told_before_anything_runs(text: str, message: str, tmp_path: Path) -> None:
+def test_a_wrong_file_is_refused_before_anything_runs(text: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message):
         swept(tmp_path, text)
     assert not (tmp_path / "out").exists()
@@ -103,7 +109,7 @@ def test_any_column_is_drawn_against_any_other(tmp_path: Path) -> None:
         draw_columns(rows, "a", "d", None, tmp_path / "q.png")
 
 
-def test_transients_of_one_launch_come_out_as_each_by_itself() -> None:
+def test_transients_of_one_batch_have_the_results_of_single_runs() -> None:
     cases = [{"template": "edge", "rows": 12, "density": 0.4, "seed": seed, "z": -1.2} for seed in range(4)]
     assert len({transients.group(case) for case in cases}) == 1
     rows = transients.run(cases)
@@ -116,32 +122,3 @@ def test_transients_of_one_launch_come_out_as_each_by_itself() -> None:
         assert row["black"] == int((y > 0).sum())
         assert row["changed"] == int(((y > 0) != (shown > 0)).sum())
         assert np.isclose(row["mean"], y.mean())
-
-
-def test_a_job_has_launches_of_several_groups_until_it_lasts_its_time(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text(
-        'kind = "made-up"\n[grid]\nm = { from = 0, count = 200 }\nn = { from = 0, count = 10 }\n'
-    )
-    pace = _Pace(read_sweep(tmp_path / "a.toml", KINDS), range(2000), 1)
-    first = next(jobs := pace.jobs())
-    assert first.size <= FIRST
-    pace.learn(Done(first, [], [0.005 * len(launch.cases) for launch in first.launches], 0.0))  # 5 ms a case
-    second = next(jobs)
-    assert len(second.launches) > 10
-    assert 0.9 * JOB_SECONDS <= 0.005 * second.size <= 1.1 * JOB_SECONDS
-    rest = list(jobs)
-    assert sum(job.size for job in [first, second, *rest]) == 2000
-    assert 0.005 * rest[-1].size <= SHORTEST  # nobody is waited for long
-
-
-def test_a_slow_first_job_does_not_cut_all_other_groups_small(tmp_path: Path) -> None:
-    (tmp_path / "spec.toml").write_text(
-        'kind = "made-up"\n[grid]\nm = { from = 0, count = 40 }\nn = { from = 0, count = 100 }\n'
-    )
-    sweep = read_sweep(tmp_path / "spec.toml", KINDS)
-    pace = _Pace(sweep, range(len(sweep)), workers=2)
-    jobs = pace.jobs()
-    for seconds in 2.0, 0.01, 0.01:  # a worker that loads what is compiled, then what cases take
-        job = next(jobs)
-        pace.learn(Done(job, [], [seconds] * len(job.launches), seconds))
-    assert next(jobs).size > 20

@@ -45,16 +45,6 @@ def test_a_picture_lies_as_it_is_seen(
     assert whole.shape == UPRIGHT[lying].shape and np.array_equal(whole[:, :] > 0, UPRIGHT[lying])
 
 
-def test_one_that_lies_on_its_end_is_not_read_in_strips(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("OpenImageIO")
-    exif = Image.Exif()
-    exif[0x0112] = 6
-    Image.fromarray(GREY).save(tmp_path / "a.png", exif=exif)
-    monkeypatch.setattr("cnnsim.supersteps.pictures.WHOLE", 0)
-    with pytest.raises(InputError, match=r"orientation 6.*upright picture wanted"):
-        open_large(tmp_path / "a.png")
-
-
 def test_broken_exif_data_spoil_no_picture(tmp_path: Path) -> None:
     Image.fromarray(GREY).save(tmp_path / "a.png", exif=b"Exif\x00\x00MM\x00*\xff\xff")
     assert np.array_equal(read_picture(tmp_path / "a.png") > 0, PLANE)
