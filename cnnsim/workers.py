@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, ProcessPoolExecutor, as_completed
 from contextlib import AbstractContextManager, contextmanager
+from importlib import import_module
 from multiprocessing import active_children, get_context, parent_process, resource_tracker
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
@@ -124,7 +125,7 @@ _IDLE: dict[int, tuple[ProcessPoolExecutor, list[BaseProcess]]] = {}
 @contextmanager
 def _process_pool(count: int) -> Iterator[Executor]:
     """Open a pool of ``count`` processes; after an error its processes are terminated."""
-    pool, processes = _IDLE.pop(count, None) or _started(count)
+    pool, processes = _IDLE.pop(count) if count in _IDLE else _started(count)
     try:
         yield pool
     except BaseException:
@@ -166,7 +167,7 @@ def _end_with_parent() -> None:
 @contextmanager
 def _cluster(address: str, count: int | None) -> Iterator[Workers]:
     try:
-        import distributed  # slow to import
+        distributed: Any = import_module("distributed")  # slow to import
     except ImportError as error:
         raise InputError(f"dask.distributed is missing: {install_line('scale')}") from error
     with _silent("distributed", "distributed.client", "tornado", "asyncio"):

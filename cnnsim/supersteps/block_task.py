@@ -93,10 +93,9 @@ class _BlockSteps:
     def __init__(self, where: BlockBackend, plan: Plan, planes: dict[str, Array], inside: Area) -> None:
         self._where, self._plan, self._inside = where, plan, inside
         self._x = where.load(planes[STATE], "lam")
-        memory = {INPUT: "lam", BIAS: "lam", MASK: "llm"}
-        self._given = tuple(
-            where.load(planes[name], kind) if name in planes else None  # type: ignore[arg-type]  # "lam" or "llm"
-            for name, kind in memory.items()
+        self._u, self._bias, self._mask = (
+            where.load(planes[name], "llm" if name == MASK else "lam") if name in planes else None
+            for name in (INPUT, BIAS, MASK)
         )
         self._plans: dict[int, Plan] = {}
 
@@ -112,22 +111,21 @@ class _BlockSteps:
                 x = self._stepped(x, until - step)
             step = until
             if step in task.checks:
-                checks.append(
-                    self._compared(before, x)
-                    if discrete
-                    else self._where.check(self._plan, x, *self._given, self._inside)
-                )
+                checks.append(self._compared(before, x) if discrete else self._checked(x))
         return self._where.read(x), checks
 
     def _stepped(self, x: Any, steps: int) -> Any:
         if not steps:
             return x
         if self._plan.method == "closed form":
-            return self._where.transient(self._plan, x, *self._given).x
+            return self._where.transient(self._plan, x, self._u, self._bias, self._mask).x
         if steps not in self._plans:
             plan = self._plan  # without sleep, which keeps the outputs, but not the states, of saturated cells
             self._plans[steps] = replace(plan, duration=steps * plan.step, savings=plan.savings - {"sleep"})
-        return self._where.transient(self._plans[steps], x, *self._given).x
+        return self._where.transient(self._plans[steps], x, self._u, self._bias, self._mask).x
+
+    def _checked(self, x: Any) -> Check:
+        return self._where.check(self._plan, x, self._u, self._bias, self._mask, self._inside)
 
     def _compared(self, before: Any, x: Any) -> Check:
         """Check a state of discrete time: the largest change to come, and whether that leads back to ``before``."""

@@ -11,6 +11,7 @@ import pytest
 import cnnsim
 from cnnsim import UniversalMachine, load_program
 from cnnsim.supersteps import stored_backend
+from cnnsim.supersteps.plane_task import run_plane_task
 from cnnsim.supersteps.store import GridStore
 from cnnsim.support import Array, InputError
 from tests.kits.program import load
@@ -39,7 +40,7 @@ def test_a_program_stopped_anywhere_resumes_to_the_same_bytes(
         return limited
 
     monkeypatch.setattr(GridStore, "create", full_disk(GridStore.create))
-    monkeypatch.setattr(stored_backend, "run_plane_task", full_disk(stored_backend.run_plane_task))
+    monkeypatch.setattr(stored_backend, "run_plane_task", full_disk(run_plane_task))
     stops, found = 0, list[dict[str, Any]]()
     while len(found) < len(sequence):
         left[0] = 60 if name == "everything" else 25  # some operations further each time

@@ -17,7 +17,7 @@ from cnnsim.supersteps.engine import Engine
 from cnnsim.support import InputError
 from tests.kits.supersteps import MIXED, SHAPE, U, X, one
 
-PLANES = {"state": X, "input": U}
+PLANES: dict[str, Any] = {"state": X, "input": U}
 
 
 def test_a_stopped_run_resumes_from_its_last_superstep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -151,7 +151,9 @@ def test_stored_planes_have_the_meaning_of_arrays(tmp_path: Path) -> None:
 
 def test_a_stored_plane_with_other_values_belongs_to_another_run(tmp_path: Path) -> None:
     zarr = pytest.importorskip("zarr")
-    planes = {name: zarr.create_array(tmp_path / name, data=plane, chunks=(16, 16)) for name, plane in PLANES.items()}
+    planes: dict[str, Any] = {
+        name: zarr.create_array(tmp_path / name, data=plane, chunks=(16, 16)) for name, plane in PLANES.items()
+    }
     task: dict[str, Any] = {"duration": 0.2, "dtype": "float64"}
     whole = cnnsim.run_transient(MIXED, **PLANES, **task).x
     for _ in range(2):
