@@ -42,8 +42,8 @@ __all__ = [
     "write_picture",
 ]
 
-TYPE_CHECKING = False  # as in typing, which takes longer to import than all that stands here
-if TYPE_CHECKING:  # at run time a name is imported when it is first asked for
+TYPE_CHECKING = False  # not from typing, which takes longer to import than this file
+if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it is first used
     from cnnsim import library, plot
     from cnnsim.backends.opencl.device.devices import devices
     from cnnsim.ended import NotSettledError
@@ -75,37 +75,7 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for
 else:
     from cnnsim.lazy import importer
 
-    _MODULES = {
-        "cnnsim.backends.opencl.device.devices": ("devices",),
-        "cnnsim.ended": ("NotSettledError",),
-        "cnnsim.library.catalogue": ("run",),
-        "cnnsim.network": (
-            "PERIODIC",
-            "ZERO_FLUX",
-            "Boundary",
-            "Cell",
-            "Frames",
-            "LayeredTemplate",
-            "Table",
-            "Template",
-            "Term",
-            "fixed",
-        ),
-        "cnnsim.program.explain": ("explain",),
-        "cnnsim.program.file": ("load_program",),
-        "cnnsim.program.machine": ("UniversalMachine",),
-        "cnnsim.program.program": ("Program",),
-        "cnnsim.program.run": ("run_program",),
-        "cnnsim.result": ("Result",),
-        "cnnsim.support": ("InputError",),
-        "cnnsim.support.pictures.picture": ("read_picture", "write_picture"),
-        "cnnsim.support.pictures.read": ("read_pictures",),
-        "cnnsim.support.values": ("from_gray", "to_planes"),
-        "cnnsim.trajectories": ("Trajectory",),
-        "cnnsim.transient": ("run_transient", "trajectory"),
-    }
-
-    __getattr__ = importer(__name__, _MODULES)
+    __getattr__ = importer(__name__)
 
     def __dir__() -> list[str]:
         return __all__

@@ -13,8 +13,8 @@ __all__ = [
 
 from cnnsim import __version__
 
-TYPE_CHECKING = False  # as in typing, which takes longer to import than all that stands here
-if TYPE_CHECKING:  # at run time a name is imported when it is first asked for
+TYPE_CHECKING = False  # not from typing, which takes longer to import than this file
+if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it is first used
     from cnnsim.support import InputError
     from tactile.calibration.file import Calibration, load_calibration
     from tactile.core.frame import Frame, TaxelArray
@@ -36,28 +36,7 @@ if TYPE_CHECKING:  # at run time a name is imported when it is first asked for
 else:
     from cnnsim.lazy import importer
 
-    _MODULES = {
-        "cnnsim.support": ("InputError",),
-        "tactile.calibration.file": ("Calibration", "load_calibration"),
-        "tactile.core.frame": ("Frame", "TaxelArray"),
-        "tactile.core.source": ("Source",),
-        "tactile.events.detector_file": ("DetectorFile", "EventRule", "read_detector"),
-        "tactile.events.event": ("Event", "EventLog"),
-        "tactile.inverse.load": ("Load",),
-        "tactile.inverse.validity": ("Validity",),
-        "tactile.pipeline": ("FrameReport", "Sink", "run", "warm_up"),
-        "tactile.settings": ("Settings",),
-        "tactile.simulator.contacts.indenter": ("Indenter",),
-        "tactile.simulator.contacts.moving_contact": ("MovingContact",),
-        "tactile.simulator.contacts.moving_load": ("MovingLoad",),
-        "tactile.simulator.contacts.sliding_texture": ("SlidingTexture",),
-        "tactile.simulator.effects": ("make_effect",),
-        "tactile.simulator.scene.scene": ("Scene",),
-        "tactile.sources": ("open_source",),
-        "tactile.thresholds.threshold": ("Threshold",),
-    }
-
-    __getattr__ = importer(__name__, _MODULES)
+    __getattr__ = importer(__name__)
 
     def __dir__() -> list[str]:
         return __all__

@@ -11,7 +11,6 @@ from tests.kits.paths import ROOT
 
 FILES = sorted(path for folder in ("cnnsim", "tactile") for path in (ROOT / folder).rglob("*.py"))
 ALLOWED = {
-    "cnnsim/support/compiled_loops.py": {"pickle"},  # the cache of compiled code, if nobody else can write there
     "cnnsim/support/extras.py": {"urllib"},  # taking an address apart
     "tactile/serial/reader.py": {"socket"}, "tactile/serial/drain.py": {"socket"},  # pairs, between two processes
     "tactile/serial/drained.py": {"socket"},

@@ -78,13 +78,6 @@ def test_broken_programs_are_listed_too(tmp_path: Path) -> None:
     assert "mine" in found
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="nothing is shut to root")
-def test_a_file_that_may_not_be_read(tmp_path: Path) -> None:
-    call("new", "template", "mine", "-o", tmp_path)
-    (tmp_path / "mine.toml").chmod(0)
-    assert "mine BROKEN" in " ".join(call("--library", tmp_path, "list").output.split())
-
-
 def test_a_new_template_runs_as_it_is(tmp_path: Path) -> None:
     picture = ndimage.binary_dilation(np.random.default_rng(0).random((30, 40)) < 0.02, iterations=2)
     write_picture(picture, tmp_path / "in.png")
@@ -182,12 +175,3 @@ def test_what_is_printed_fits_the_terminal(monkeypatch: pytest.MonkeyPatch, tmp_
         assert result.exit_code == 0, result.output
         for line in result.output.splitlines():
             assert len(line) <= int(columns) or max(map(len, line.split())) > 40, line  # a path
-
-
-def test_a_list_hangs_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    lines = call("list").output.splitlines()
-    starts = [line for line in lines if line[0] != " "]
-    assert [line.split()[0] for line in starts] == library.names()
-    place = starts[0].index("Keeps")
-    assert all(line.startswith(" " * place) for line in lines if line[0] == " ")

@@ -10,6 +10,7 @@ from PIL import Image
 
 from cnnsim import read_picture, write_picture
 from cnnsim.cli.group import main
+from cnnsim.support.pictures.film import BETWEEN, STRIP
 
 
 def call(*arguments: Any) -> Result:
@@ -93,3 +94,12 @@ def test_several_results_go_into_a_folder_and_older_ones_are_told(
     assert " ".join(done.stdout.split()).endswith("; of an earlier run: many/threshold-zero-2.png")
     assert call("run", "threshold-zero", "a.png", "-o", "many/").exit_code == 0
     assert read_picture("many/threshold-zero.png").shape == (5, 6)
+
+
+def test_a_film_of_two_layers_shows_them_side_by_side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_picture(np.eye(16), "one.png")
+    assert call("run", "autowave", "one.png", "--trajectory", "film.gif").exit_code == 0
+    with Image.open("film.gif") as film:
+        side = film.height - 2 * STRIP  # below the cells the layer, below that the time
+        assert film.width == 2 * side + BETWEEN

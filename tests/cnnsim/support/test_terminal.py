@@ -116,11 +116,3 @@ def test_modules_print_with_the_functions_of_terminal() -> None:
     printing = re.compile(r"click\.s?echo\(|(?<![\w.])print\((?!\*)|\bConsole\(|from_markup\(")
     paths = [path for package in ("cnnsim", "tactile") for path in (ROOT / package).rglob("*.py")]
     assert [path.name for path in paths if printing.search(path.read_text("utf-8"))] == ["terminal.py"]
-
-
-@pytest.mark.parametrize("columns", [40, 80, 200])
-def test_a_list_fits_the_terminal(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", str(columns))
-    for command in (["list"], ["list", "--programs"], ["explain", "hole-filler"]):
-        lines = CliRunner().invoke(cnnsim, command).output.splitlines()
-        assert max(map(len, lines)) <= columns
