@@ -46,7 +46,7 @@ TYPE_CHECKING = False  # not from typing, which takes longer to import than this
 if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it is first used
     from cnnsim import library, plot
     from cnnsim.backends.opencl.device.devices import devices
-    from cnnsim.ended import NotSettledError
+    from cnnsim.convergence import NotSettledError
     from cnnsim.library.catalogue import run
     from cnnsim.network import (
         PERIODIC,
@@ -62,9 +62,8 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     )
     from cnnsim.program.explain import explain
     from cnnsim.program.file import load_program
-    from cnnsim.program.machine import UniversalMachine
+    from cnnsim.program.machine import UniversalMachine, run_program
     from cnnsim.program.program import Program
-    from cnnsim.program.run import run_program
     from cnnsim.result import Result
     from cnnsim.support import InputError
     from cnnsim.support.pictures.picture import read_picture, write_picture

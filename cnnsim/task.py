@@ -7,10 +7,9 @@ from typing import Any, Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.accuracy.over_time import reached_at
-from cnnsim.accuracy.reach import decided
-from cnnsim.accuracy.repeatable import Repeatable
-from cnnsim.accuracy.wanted import Accuracy, Wanted, parse_accuracy
+from cnnsim.accuracy.problem import TransientProblem
+from cnnsim.accuracy.solve import decision, solve_at
+from cnnsim.accuracy.tolerance import Accuracy, Tolerance, parse_accuracy
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
@@ -35,7 +34,7 @@ class Task:
     input: Array | Frames[Array] | None
     bias: Array | Frames[Array] | None
     mask: Flags | None
-    accuracy: Wanted | None = None
+    accuracy: Tolerance | None = None
 
     def owned(self) -> "Task":
         """Return the task with planes of its own, for runs that go on while the caller may change what was given."""
@@ -83,11 +82,8 @@ class Task:
             None if self.mask is None else backend.load(self.mask, "llm"),
         )
 
-    def repeatable(self) -> Repeatable:
-        """Return the transient as what can be run again, by other steps or on a part of its grid.
-
-        What is found out about its planes is to be as exact as the accuracy, whatever numbers they were given in.
-        """
+    def problem(self) -> TransientProblem:
+        """Return the transient as a problem to be solved to an accuracy, in float64 unless it is large."""
         finely = self.accuracy is not None and (self.accuracy.dtype == "float64" or self.state.size < LARGE)
 
         def fine(value: Any) -> Any:
@@ -96,7 +92,7 @@ class Task:
             return value if value is None or not finely else value.astype(np.float64, copy=False)
 
         given = fine(self.state), fine(self.input), fine(self.bias), self.mask
-        return Repeatable(self.plan, lambda backend, plan, state=None, /: self.start(backend, state, plan), given)
+        return TransientProblem(self.plan, lambda backend, plan, state=None, /: self.start(backend, state, plan), given)
 
     def recorded(self, backend: Backend, wanted: tuple[CellIndex, ...] | Floats, result: Result) -> Trajectory:
         """Return states at times, or of cells at every step, of a run that ended as ``result``."""
@@ -116,7 +112,7 @@ class Task:
         old, x = self.plan, self.state
         if self.accuracy is not None:
             for frame in range(1, frames + 1):
-                t, found = reached_at(self.repeatable(), backend, self.accuracy, frame * until / frames)
+                t, found = solve_at(self.problem(), backend, self.accuracy, frame * until / frames)
                 yield t, found.x
             return
         if old.method == "general":  # with delays and sequences a run cannot be cut in two, so each state has its own
@@ -198,7 +194,7 @@ def make_task(
     if plan.cell == "full-range" and largest(x) > 1:
         raise InputError(f"state reaches {largest(x):g}; the full-range model keeps it from -1 to 1")
     if wanted is not None:
-        plan = replace(plan, decisions=(*plan.decisions, decided(plan, wanted, x.shape)))
+        plan = replace(plan, decisions=(*plan.decisions, decision(plan, wanted, x.shape)))
     return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, wanted)
 
 

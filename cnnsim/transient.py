@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Unpack
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
-from cnnsim.accuracy.over_time import recorded_within
+from cnnsim.accuracy.solve import record_solutions
 from cnnsim.backends.base import Backend
-from cnnsim.ended import ended, reached
+from cnnsim.convergence import accurate_result, settled_result
 from cnnsim.network import AnyTemplate
 from cnnsim.recording import Record, parse_record
 from cnnsim.result import Result
@@ -62,9 +62,9 @@ def run_transient(
     wanted = None if record is None else parse_record(record, task.state.shape)
     where = backends.chosen(backend, dtype, threads)
     if task.accuracy is not None:
-        again = task.repeatable()
-        path, error = (None, 0.0) if wanted is None else recorded_within(again, where, task.accuracy, wanted)
-        result = reached(again, where, task.accuracy)
+        problem = task.problem()
+        path, error = (None, 0.0) if wanted is None else record_solutions(problem, where, task.accuracy, wanted)
+        result = accurate_result(problem, where, task.accuracy)
         return replace(result, trajectory=path, error=max(result.error, error))
     outcome = task.start(where)
     result = Result(where.read(outcome.x, copy=False), outcome.t, outcome.settled, outcome.rate, task.plan)
@@ -73,7 +73,7 @@ def run_transient(
     if task.plan.duration != "settled":
         return result
     mask = None if task.mask is None else where.load(task.mask, "llm")
-    return ended(result, where, outcome, load(where, task.input), load(where, task.bias), mask)
+    return settled_result(result, where, outcome, load(where, task.input), load(where, task.bias), mask)
 
 
 @spelled(TaskOptions)

@@ -1,1 +1,1 @@
-"""How far from the truth a transient ends: the exact flow, the rest, error estimates, and runs to a wanted accuracy."""
+"""Accuracy of transients: solution to a tolerance, error estimates, and the distance from a steady state."""

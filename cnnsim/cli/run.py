@@ -7,7 +7,7 @@ import click
 import numpy as np
 
 from cnnsim import backends, library
-from cnnsim.accuracy.wanted import parse_accuracy
+from cnnsim.accuracy.tolerance import parse_accuracy
 from cnnsim.backends.base import Backend
 from cnnsim.cli.large import block_option, check_engine_options, engine_option, run_large, store_option, workers_option
 from cnnsim.cli.pictures import (
@@ -103,7 +103,7 @@ def run(
     Several pictures are files, a folder, a GIF, a video, .npy or .npz: templates for moving pictures take them as one
     sequence, others run on each by itself. Of a network of layers each layer has its own output.
     """
-    from cnnsim.ended import NotSettledError
+    from cnnsim.convergence import NotSettledError
     from cnnsim.transient import run_transient
     from cnnsim.transient import trajectory as run_over_time
 

@@ -9,8 +9,8 @@ from cnnsim.cli.run import json_option
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import Table, Template, layered
 from cnnsim.program.file import find_program
+from cnnsim.program.numbering import step_rows
 from cnnsim.program.program import Program
-from cnnsim.program.words import step_rows
 from cnnsim.support import Floats
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.pictures.picture import to_ascii

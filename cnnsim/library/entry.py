@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.accuracy.wanted import Accuracy
+from cnnsim.accuracy.tolerance import Accuracy
 from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, ZERO_FLUX, AnyTemplate, Boundary, Cell, Frames, LayeredTemplate, Template
 from cnnsim.planning.duration import Duration

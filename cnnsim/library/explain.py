@@ -6,7 +6,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.accuracy.settle import solving_bytes
+from cnnsim.accuracy.rest_distance import solving_bytes
 from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import AnyTemplate, layered

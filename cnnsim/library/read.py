@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cnnsim.accuracy.wanted import read_accuracy
+from cnnsim.accuracy.tolerance import read_accuracy
 from cnnsim.library.entry import Example, LibraryEntry, Role
 from cnnsim.library.read_network import TEMPLATE_KEYS, needed_keys, parse_pictures, read_template
 from cnnsim.network import LayeredTemplate, parse_boundary

@@ -6,14 +6,18 @@ from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 
-from cnnsim.accuracy.at_rest import seen_to_the_end
-from cnnsim.accuracy.settle import SETTLED_DISTANCE
-from cnnsim.accuracy.wanted import parse_accuracy
-from cnnsim.backends.base import Backend, Plane
+from cnnsim.accuracy.problem import TransientProblem, largest
+from cnnsim.accuracy.rest_distance import SETTLED_DISTANCE
+from cnnsim.accuracy.tolerance import Tolerance, parse_accuracy
+from cnnsim.accuracy.verify_settled import verify_settled
+from cnnsim.backends.base import Backend, Outcome, Plane
+from cnnsim.convergence import accurate_result
 from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.global_wire import read_wire
 from cnnsim.operations.logic import function_number
-from cnnsim.program.parts import Parts
+from cnnsim.planning.plan import Plan
+from cnnsim.program.basic_block import BasicBlock
+from cnnsim.program.block_cache import BlockCache
 from cnnsim.program.program import (
     ARITHMETIC,
     BranchStep,
@@ -29,10 +33,9 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
-from cnnsim.program.stretch import Stretch
-from cnnsim.program.to_accuracy import to_accuracy
 from cnnsim.support import Array, InputError, naming
 from cnnsim.support.limits import REGISTER
+from cnnsim.support.notices import Notices
 from cnnsim.support.progress import watcher
 
 if TYPE_CHECKING:
@@ -50,29 +53,30 @@ def filled(backend: Backend, program: Program, name: str, value: float | Array, 
 class Execution:
     """A program as it runs on planes of one shape.
 
-    Arguments: ``parts`` the steps as a machine has prepared them; ``planes`` by name, those of the inputs and of what
+    Arguments: ``blocks`` the steps as a machine has compiled them; ``planes`` by name, those of the inputs and of what
     was kept, to which the steps add theirs; ``on_engine`` where planes lie on the disk.
     """
 
     def __init__(
-        self, parts: Parts, program: Program, planes: dict[str, Any], shape: tuple[int, ...],
+        self, blocks: BlockCache, program: Program, planes: dict[str, Any], shape: tuple[int, ...],
         on_engine: "OnEngine | None" = None,
     ) -> None:  # fmt: skip
         self.planes, self._program, self._shape = planes, program, shape
-        self._parts, self._backend, self._on_engine = parts, parts.backend, on_engine
+        self._blocks, self._backend, self._on_engine = blocks, blocks.backend, on_engine
 
     def run(self, steps: tuple[Step, ...]) -> None:
-        """Do steps in their order."""
+        """Run steps in their order: a basic block by its compiled routine, where there is one."""
         planes, watched_by = self.planes, watcher()
-        for at_one_go, part in self._parts.of(self._program, steps, self._shape):
-            inside = part.steps if isinstance(part, Stretch) else (part,)
+        for compiled, part in self._blocks.parts(self._program, steps, self._shape):
+            inside = part.steps if isinstance(part, BasicBlock) else (part,)
             if watched_by is not None and self._on_engine is None:
                 watched_by(None, inside[0].where)
-            if not (isinstance(part, Stretch) and at_one_go is not None and part.done(at_one_go, planes)):
-                for step in inside:
-                    self._step(step)
-                    if self._on_engine is not None:
-                        self._on_engine.ended(step, planes)
+            if isinstance(part, BasicBlock) and compiled is not None and part.run(compiled, planes):
+                continue
+            for step in inside:
+                self._step(step)
+                if self._on_engine is not None:
+                    self._on_engine.ended(step, planes)
 
     def _step(self, step: Step) -> None:
         backend, memory, planes = self._backend, self._program.memory, self.planes
@@ -80,7 +84,7 @@ class Execution:
             self._on_engine.begins(step)
         match step:
             case TemplateStep(to=to, input=u):
-                rule = self._parts.ways.rule(self._program, step)
+                rule = self._blocks.templates.rule(self._program, step)
                 if rule is not None:
                     planes[to] = backend.neighbourhood(rule, step.boundary, planes[u])  # type: ignore[index]  # a rule has an input plane
                     return
@@ -116,7 +120,7 @@ class Execution:
 
     def _transient(self, step: TemplateStep) -> Plane:
         backend, memory, planes, shape = self._backend, self._program.memory, self.planes, self._shape
-        plan = self._parts.ways.plan(step, shape)
+        plan = self._blocks.templates.plan(step, shape)
 
         def plane(name: str | float | None) -> Plane:
             if isinstance(name, str):
@@ -129,10 +133,10 @@ class Execution:
         with naming(step.where):
             x, u, bias = plane(step.state), plane(step.input), plane(step.bias)
             if step.accuracy is not None:
-                return to_accuracy(backend, plan, parse_accuracy(step.accuracy), x, u, bias, mask)
+                return _accurate(backend, plan, parse_accuracy(step.accuracy), x, u, bias, mask)
             outcome = backend.transient(plan, x, u, bias, mask)
             if outcome.settled:
-                end = partial(seen_to_the_end, backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
+                end = partial(verify_settled, backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
                 outcome = end()[0] if self._on_engine is None else self._on_engine.backend.seen(outcome, end)
         if step.duration == "settled" and not outcome.settled:
             raise InputError(
@@ -161,3 +165,26 @@ def _number(step: NumberStep, p: Any, q: Any) -> Any:
     if abs(worst := max(np.ravel(found), key=abs)) > REGISTER:
         raise InputError(f"{step.where}: comes to {float(worst):.4g}; registers hold {REGISTER:.4g} at most")
     return found.astype(np.int64) if isinstance(found, np.ndarray) else found
+
+
+def _accurate(backend: Backend, plan: Plan, tolerance: Tolerance, *planes: Plane | None) -> Plane:
+    """Run a transient of state, input, bias and mask to an accuracy, in float64 where needed; return its state.
+
+    It goes back into memories in the machine's own numbers; where those keep less than the accuracy, a notice says so.
+    """
+    read = [None if plane is None else backend.read(plane) for plane in planes]
+    x, u, bias = (None if plane is None else plane.astype(np.float64) for plane in read[:3])
+
+    def start(where: Backend, again: Plan, state: Array | None = None, /) -> Outcome:
+        given = (x if state is None else state, u, bias)
+        begin, control, added = (None if plane is None else where.load(plane, "lam") for plane in given)
+        return where.transient(again, begin, control, added, None if read[3] is None else where.load(read[3], "llm"))
+
+    found = accurate_result(TransientProblem(plan, start, (x, u, bias, read[3])), backend, tolerance)
+    kept = 0.5 * float(np.finfo(backend.dtype).eps) * max(1.0, largest(found.x))
+    if not tolerance.signs and tolerance.error < kept and backend.dtype != "float64":
+        cure = "the reference backend, or dtype float64, wanted for more"
+        Notices.once(
+            f"accuracy {tolerance}: planes in memories of {backend.dtype} are rounded by up to {kept:.2g}; {cure}"
+        )
+    return backend.load(found.x.astype(backend.dtype), "lam")

@@ -10,10 +10,10 @@ from cnnsim.library.entry import LibraryEntry
 from cnnsim.library.explain import Explanation, blank, explain_template
 from cnnsim.network import AnyTemplate
 from cnnsim.planning.plan import Plan, lines_of, make_plan
-from cnnsim.program.bit_steps import rule_of
+from cnnsim.program.block_cache import rule_of
 from cnnsim.program.file import find_program
+from cnnsim.program.numbering import numbered
 from cnnsim.program.program import Program, TemplateStep
-from cnnsim.program.words import numbered
 from cnnsim.support import InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.keywords import spelled

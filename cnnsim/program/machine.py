@@ -1,27 +1,34 @@
-"""UniversalMachine: analogic programs, and the planes that they keep from run to run, on one backend."""
+"""UniversalMachine runs analogic programs on one backend and keeps their planes; run_program runs one once."""
 
 import math
+from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
-from cnnsim.backends.base import Backend
-from cnnsim.program.carried import Carried, Kept, packed, same_program, unpacked
+from cnnsim.backends.base import Backend, Plane
+from cnnsim.program.block_cache import BlockCache, TemplateCache
 from cnnsim.program.execution import Execution, filled
-from cnnsim.program.inputs import check_inputs, check_planes_fit
-from cnnsim.program.parts import Parts
+from cnnsim.program.file import load_program
+from cnnsim.program.inputs import check_inputs, check_planes_fit, check_values, parameters_meant
 from cnnsim.program.program import Program
-from cnnsim.program.template_steps import TemplateSteps
 from cnnsim.support import Array, InputError
-from cnnsim.support.keywords import spelled
+from cnnsim.support.keywords import spelled, unknown_keyword
 from cnnsim.support.memory import LARGE
 from cnnsim.support.values import is_whole
 from cnnsim.task import Dtype
 
 if TYPE_CHECKING:
     from cnnsim.supersteps.engine import Engine
+
+
+class Kept(NamedTuple):
+    """The planes that a program kept of its last run, and their shape."""
+
+    shape: tuple[int, ...]
+    planes: dict[str, Plane]
 
 
 class UniversalMachine:
@@ -40,43 +47,27 @@ class UniversalMachine:
         engine: "str | Engine | None" = None, store: str | Path | None = None,
     ) -> None:  # fmt: skip
         self.backend = backends.chosen(backend, dtype, threads)
-        self._choices = self.backend, engine, store
         self._kept: dict[Program, Kept] = {}
-        self._carried: dict[Program, Kept] = {}
-        ways, self._on_engine = TemplateSteps(), None
+        templates, self._on_engine = TemplateCache(), None
         if engine is not None or store is not None:
             from cnnsim.program.on_engine import OnEngine  # only here: it brings processes and Zarr
 
-            self._on_engine = OnEngine(self.backend, engine or "processes", store, ways)
+            self._on_engine = OnEngine(self.backend, engine or "processes", store, templates)
             self.backend = self._on_engine.backend
-        self._parts = Parts(self.backend, ways)
+        self._blocks = BlockCache(self.backend, templates)
 
     def __repr__(self) -> str:
         """The backend, and the names of the programs that keep planes."""
-        kept = ", ".join(program.name for program in (*self._carried, *self._kept))
+        kept = ", ".join(program.name for program in self._kept)
         return f"UniversalMachine({self.backend.name}, {self.backend.dtype}{f', planes of {kept}' if kept else ''})"
 
-    def __reduce__(self) -> Any:
-        """Go to another process as the choices that were made, and the planes that programs keep."""
-        if self._on_engine is not None and self._kept:
-            kept = ", ".join(program.name for program in self._kept)
-            raise InputError(
-                f"a machine on an engine keeps planes of {kept} on the disk, which stay with its process; "
-                "a machine made there with another store, or one without an engine, wanted"
-            )
-        return _machine, (*self._choices, packed({**self._carried, **self._kept}, self.backend))
+    def __reduce__(self) -> NoReturn:
+        """Refuse to be copied: planes stay with their backend."""
+        raise TypeError("a UniversalMachine cannot be pickled or copied; one made in each process wanted")
 
     def reset(self) -> None:
         """Forget all kept planes."""
         self._kept.clear()
-        self._carried.clear()
-
-    def _kept_by(self, program: Program) -> Kept | None:
-        if self._carried and program not in self._kept:
-            carried = program if program in self._carried else same_program(self._carried, program)
-            if carried is not None:
-                self._kept[program] = self._carried.pop(carried)
-        return self._kept.get(program)
 
     def kept(self, program: Program) -> dict[str, Array]:
         """Return the planes that a program kept in its last run: floats from a LAM, booleans from an LLM.
@@ -85,11 +76,11 @@ class UniversalMachine:
             InputError: no program.
         """
         _check_program(program)
-        kept = self._kept_by(program)
+        kept = self._kept.get(program)
         return {} if kept is None else {name: self.backend.read(plane) for name, plane in kept.planes.items()}
 
     def prepare(self, program: Program, shape: tuple[int, ...]) -> None:
-        """Find out now how a program's steps are done on planes of this shape, so that its first run need not.
+        """Plan and compile a program's steps for planes of this shape, so that its first run is fast.
 
         Raises:
             InputError: no program, or no shape of planes.
@@ -97,7 +88,7 @@ class UniversalMachine:
         _check_program(program)
         if not (isinstance(shape, tuple) and len(shape) in (2, 3) and all(is_whole(n) and n >= 1 for n in shape)):
             raise InputError(f"shape {shape!r}; (rows, cols) or (n, rows, cols) wanted")
-        self._parts.prepare(program, shape)
+        self._blocks.prepare(program, shape)
 
     def run(self, program: Program, **inputs: ArrayLike) -> dict[str, Any]:
         """Run a program on planes (rows, cols) of one shape and return its outputs: arrays, and numbers from wires.
@@ -125,12 +116,12 @@ class UniversalMachine:
             for name, array in arrays.items()
         }
         if program.keep:
-            kept = self._kept_by(program)
+            kept = self._kept.get(program)
             if kept is not None and kept.shape == shape:
                 planes.update(kept.planes)
             else:
                 planes.update({name: filled(backend, program, name, v, shape) for name, v in program.keep.items()})
-        Execution(self._parts, program, planes, shape, self._on_engine).run(program.steps)
+        Execution(self._blocks, program, planes, shape, self._on_engine).run(program.steps)
         if program.keep:
             self._kept[program] = Kept(shape, {name: planes[name] for name in program.keep})
         return {
@@ -144,9 +135,31 @@ def _check_program(program: object) -> None:
         raise InputError(f"program {program!r}; a Program, as of load_program, wanted")
 
 
-def _machine(
-    backend: Backend, engine: "str | Engine | None", store: str | Path | None, carried: Carried
-) -> UniversalMachine:
-    machine = UniversalMachine(backend, engine=engine, store=store)
-    machine._carried.update(unpacked(carried, machine.backend))
-    return machine
+def run_program(
+    program: Program | str | Path, /, *, backend: str | Backend = "cpu", dtype: Dtype | None = None,
+    threads: int | None = None, engine: "str | Engine | None" = None, store: str | Path | None = None,
+    **planes: ArrayLike,
+) -> dict[str, Any]:  # fmt: skip
+    """Run a program once and return its outputs: arrays (rows, cols), logic planes as booleans; numbers from wires.
+
+    Arguments: ``program`` a name of the library, a file or a loaded `Program`; ``planes`` its inputs (rows, cols) by
+    name; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
+    ``threads`` of the cpu backend, None for as many as pay; ``engine`` for grids that are larger than the memory, or
+    for other machines: "processes", "dask", "dask=ADDRESS" or an `Engine`, with the folder of its ``store``; a run
+    that was stopped goes on from there. Planes may be Zarr arrays then, and with a store so are the results.
+    Planes that a program keeps start anew in each call; a `UniversalMachine` carries them from run to run.
+
+    Raises:
+        InputError: as `load_program`, `check_values` and `UniversalMachine.run`.
+    """
+    if not isinstance(program, Program | str | Path):
+        raise InputError(f"program {program!r}; the name of one, a file or a Program wanted")
+    loaded = program if isinstance(program, Program) else load_program(program)
+    unknown = set(planes) - set(loaded.inputs)
+    known = ["backend", "dtype", "threads", "engine", "store"]
+    near = any(get_close_matches(name, known) for name in unknown)
+    if near and not parameters_meant(loaded, unknown):  # an input has a name of its own, or one of the file
+        raise unknown_keyword("run_program", unknown, [*known, *loaded.inputs])
+    check_values(loaded, planes, stored=engine is not None or store is not None)
+    machine = UniversalMachine(backend, dtype, threads=threads, engine=engine, store=store)
+    return machine.run(loaded, **planes)

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from cnnsim.backends.base import Backend
-from cnnsim.program.last_use import used_last
+from cnnsim.program.block_cache import TemplateCache
+from cnnsim.program.liveness import used_last
+from cnnsim.program.numbering import numbered
 from cnnsim.program.program import Program, Step, TemplateStep
-from cnnsim.program.template_steps import TemplateSteps
-from cnnsim.program.words import numbered
 from cnnsim.supersteps.block_plan import check_plan
 from cnnsim.supersteps.engine import Engine, parse_engine
 from cnnsim.supersteps.identity import signature
@@ -21,7 +21,7 @@ from cnnsim.support.values import is_stored
 class OnEngine:
     """What a machine on an engine needs besides the verbs of its backend."""
 
-    def __init__(self, where: Backend, engine: str | Engine, store: str | Path | None, ways: TemplateSteps) -> None:
+    def __init__(self, where: Backend, engine: str | Engine, store: str | Path | None, ways: TemplateCache) -> None:
         self.backend, self._ways = StoredBackend(where, parse_engine(engine, store)), ways
         self._used_last: dict[Step, set[str]] = {}
 

@@ -21,14 +21,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from cnnsim.accuracy.wanted import Accuracy
+from cnnsim.accuracy.tolerance import Accuracy
 from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.global_wire import Wire
 from cnnsim.operations.logic import FUNCTIONS
 from cnnsim.planning.duration import Duration
-from cnnsim.program.words import step_rows, written
+from cnnsim.program.numbering import step_rows, written
 
 ProgramMemory = Literal["lam", "llm", "wire"]
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.settle import SETTLED_DISTANCE, contraction_bound
+from cnnsim.accuracy.rest_distance import SETTLED_DISTANCE, contraction_bound
 from cnnsim.backends.base import Backend, Outcome
-from cnnsim.ended import NotSettledError, ended
+from cnnsim.convergence import NotSettledError, settled_result
 from cnnsim.network import AnyTemplate, Frames
 from cnnsim.planning.plan import Plan
 from cnnsim.result import Result
@@ -142,7 +142,7 @@ def _settled(result: Result, where: Backend, planes: dict[str, Any], *, saturate
         )
         outcome = Outcome(where.load(np.asarray(result.x[...]), "lam"), result.t, result.settled, result.rate)
         held = None if mask is None else where.load(np.asarray(mask), "llm")
-        return ended(result, where, outcome, load(where, u), load(where, bias), held)
+        return settled_result(result, where, outcome, load(where, u), load(where, bias), held)
     plan = result.plan
     if not result.settled:
         raise NotSettledError(

@@ -12,7 +12,7 @@ from cnnsim.backends import get
 from cnnsim.backends.cpu.backend import CpuBackend
 from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
 from cnnsim.backends.cpu.tiles.tiled import TILE_COLS
-from cnnsim.ended import NotSettledError
+from cnnsim.convergence import NotSettledError
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Template, fixed
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.savings import MOST_HALO

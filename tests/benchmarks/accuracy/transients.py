@@ -10,7 +10,6 @@ from cnnsim.prototyping.accuracy.plot import draw
 from cnnsim.prototyping.accuracy.work_precision import STEPS, Row, measured, reference_state, settings
 from cnnsim.support.command_line import watched
 from tests.benchmarks.accuracy.families import families
-from tests.benchmarks.accuracy.kink_steps import exponential_heun, kink_evaluations, system_of
 from tests.benchmarks.accuracy.random_cases import ACCURACIES, kept
 from tests.benchmarks.accuracy.section import Section
 from tests.benchmarks.accuracy.transients_text import fewest, text
@@ -22,16 +21,14 @@ _OTHERS = (0.4, 0.1, 0.025)
 
 
 def section(cases: int) -> Section:
-    """Measure eight templates, two ideas and so many random cases."""
+    """Measure eight templates, and a number of random cases."""
     found: dict[str, list[Row]] = {}
-    ideas: dict[str, list[tuple[str, int, float]]] = {}
     for name, given in families().items():
-        exact, how = reference_state(given)
+        exact, _ = reference_state(given)
         others = [b for b in backends.NAMES if b != "cpu" and _there(b)]
         tried = [s for s in settings(("cpu", *others), len(STEPS)) if s[0] == "cpu" or (s[3] in STEPS and _near(s[3]))]
         rows = [measured(given, exact, setting) for setting in watched(tried, name, len(tried))]
         found[name] = [row for row in rows if row is not None]
-        ideas[name] = _ideas(given, exact) if how == "exact flow" else []
     tries = list(watched(kept(range(FRESH_SEEDS, FRESH_SEEDS + cases), hand=False), "random cases", cases * 9))
     hand = list(kept(range(FRESH_SEEDS, FRESH_SEEDS + max(1, cases // 40)), hand=True))
     table = [{"template": name, **asdict(row)} for name, rows in found.items() for row in rows]
@@ -41,8 +38,8 @@ def section(cases: int) -> Section:
         f"{costs[1e-6] / costs['binary']:.2g} x (medians over eight templates, the best setting for each)."
     )
     return Section(
-        "transients", "1. Transients", answer, text(found, ideas, tries, hand), table,
-        lambda figure: _draw(figure, found, ideas), (13.0, 22.0),
+        "transients", "1. Transients", answer, text(found, tries, hand), table,
+        lambda figure: _draw(figure, found), (13.0, 22.0),
     )  # fmt: skip
 
 
@@ -59,31 +56,16 @@ def _near(step: float) -> bool:
     return any(abs(step - other) < 1e-12 for other in _OTHERS)
 
 
-def _ideas(given: dict[str, Any], exact: Any) -> list[tuple[str, int, float]]:
-    system, x, duration = system_of(given)
-    points = [("kink to kink", kink_evaluations(given), 1e-14)]
-    for step in STEPS[1:]:
-        end, evaluations = exponential_heun(system, x.copy(), duration, max(1, round(duration / step)))
-        points.append(("exponential heun", evaluations, float(np.abs(end - exact.ravel()).max())))
-    return points
-
-
 def _costs(found: dict[str, list[Row]]) -> dict[Any, float]:
     wanted = ("binary", *ACCURACIES)
     return {a: float(np.nanmedian([fewest(rows, a) for rows in found.values()])) for a in wanted}
 
 
-def _draw(figure: Any, found: dict[str, list[Row]], ideas: dict[str, list[tuple[str, int, float]]]) -> None:
+def _draw(figure: Any, found: dict[str, list[Row]]) -> None:
     axes = figure.subplots(len(found), 2)
     for (name, rows), (left, right) in zip(found.items(), axes, strict=True):
         draw(rows, left, "evaluations", name)
         draw(rows, right, "seconds", name)
-        for idea, mark in (("kink to kink", "*"), ("exponential heun", "x")):
-            points = [(n, e) for what, n, e in ideas[name] if what == idea]
-            if points:
-                left.loglog(
-                    *zip(*points, strict=True), mark, color="black", markersize=9 if mark == "*" else 5, label=idea
-                )
         left.set_ylim(1e-15, 30)
         right.set_ylim(1e-15, 30)
     handles, labels = axes[0, 0].get_legend_handles_labels()

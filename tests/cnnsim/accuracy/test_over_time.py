@@ -47,7 +47,7 @@ def test_delays_leave_whole_steps() -> None:
 
 
 def test_cells_have_no_steps_in_common() -> None:
-    with pytest.raises(InputError, match="cells are kept at every step"):
+    with pytest.raises(InputError, match="cells are recorded at every step"):
         run_transient(HEAT, state=WAVE, duration=1.0, accuracy=1e-3, record=[(0, 0)])
     with pytest.raises(InputError, match="time 3 after the end of the run; 0 to 1 wanted"):
         run_transient(HEAT, state=WAVE, duration=1.0, accuracy=1e-3, record=[3.0])

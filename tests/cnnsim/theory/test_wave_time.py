@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
-from cnnsim.ended import NotSettledError
+from cnnsim.convergence import NotSettledError
 from cnnsim.planning.plan import usual_limit
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine

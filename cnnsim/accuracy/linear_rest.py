@@ -1,0 +1,133 @@
+"""The rest of a linear template near a state, solved for directly, and whether it is stable.
+
+At rest y = clip(A y + w). With the saturated cells known, the others solve (I - A) y = w + the saturated part: a sparse
+linear system, the five-point Laplacian for diffusion. Where the solution saturates other cells it is solved again with
+those (Newton's method for piecewise linear equations).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cnnsim.accuracy.linear_system import LinearSystem
+from cnnsim.accuracy.sparse_solve import solve_sparse
+from cnnsim.support import Flags, Floats
+
+_ROUNDS = 30
+_ROUNDING = 1e-9
+"""Of a solution's residual, for drives of size 1."""
+_MOST_DENSE = 400
+"""Cells of which all modes are computed, in a fifth of a second."""
+_NEUTRAL = 1e-9
+"""A mode slower than this part of the fastest one neither grows nor decays."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The outputs ``y`` and drives (both (cells,)) at which a network rests, and the cells that are ``linear`` there.
+
+    ``stable``: all transients near it end there. Otherwise the linear cells are on a separatrix: the smallest
+    perturbation decides where they go.
+    """
+
+    y: Floats
+    drive: Floats
+    linear: Flags
+    stable: bool
+
+
+def find_rest(system: LinearSystem, x: Floats, tolerance: float) -> Rest | None:
+    """Return the rest that a state (cells,) with a small rate approaches, with y to the tolerance.
+
+    None: Newton's method found none, or the state could end elsewhere.
+    """
+    drive = system.matrix @ x.clip(-1, 1) + system.drive
+    found = _newton(system, x, system.free & (np.abs(drive) < 1), tolerance)
+    if found is None and system.definite:  # there is one rest; from far away no cell is known to be saturated there
+        found = _newton(system, x, system.free, tolerance)
+    if found is None:
+        return None
+    y, linear, leak = found
+    stable = True if system.definite else is_stable(leak)
+    if stable is None or (stable and not _is_approached(system, x, y, linear)):
+        return None
+    return Rest(y, system.matrix @ y + system.drive, linear, stable)
+
+
+def _newton(system: LinearSystem, x: Floats, linear: Flags, tolerance: float) -> tuple[Floats, Flags, Any] | None:
+    """Return the outputs at rest, the linear cells and I - A among them; ``linear`` are the first guess."""
+    matrix, free = system.matrix, system.free
+    y = x.clip(-1, 1)
+    for _ in range(_ROUNDS):
+        drive = matrix @ y + system.drive
+        y = np.where(free & ~linear, np.sign(drive), y)
+        drive = matrix @ y + system.drive
+        cells = np.flatnonzero(linear)
+        leak = _leak(matrix, cells)
+        step = solve_sparse(leak, (drive - y)[cells], tolerance, system.inverse if cells.size == y.size else None)
+        if step is None:
+            return None
+        y[cells] += step
+        drive = matrix @ y + system.drive
+        now = free & (np.abs(drive) < 1)
+        if np.array_equal(now, linear):
+            wrong = np.abs(np.where(free, drive.clip(-1, 1) - y, 0.0)).max(initial=0.0)
+            return (y, linear, leak) if wrong <= max(_ROUNDING, tolerance / 10) else None
+        y = np.where(free, y.clip(-1, 1), y)
+        linear = now
+    return None
+
+
+def _leak(matrix: Any, cells: Any) -> Any:
+    """Return I - A among some cells."""
+    from scipy.sparse import identity  # slow to import, and only needed here
+
+    return (identity(cells.size, format="csr") - matrix[cells][:, cells]).tocsc()
+
+
+def _is_approached(system: LinearSystem, x: Floats, y: Floats, linear: Flags) -> bool:
+    """Return whether a state goes to this rest and to no other.
+
+    There is no other if I - A is definite among all free cells; else the state must be so near that no cell of it can
+    meet a kink on its way: the distance (in the sum of squares) of a symmetric network only shrinks.
+    """
+    if system.definite or is_stable(_leak(system.matrix, np.flatnonzero(system.free))):
+        return True
+    away = float(np.linalg.norm(np.where(system.free, x.clip(-1, 1) - y, 0.0)))
+    margin = float((1 - np.abs(y[linear])).min(initial=1.0))
+    return away < margin
+
+
+def is_stable(leak: Any) -> bool | None:
+    """Return whether every mode of dx/dt = -``leak`` x decays or stands still; None if that is unknown.
+
+    By Gershgorin's circles, which are enough for diffusion; else for a symmetric matrix by the signs of its factors
+    (Sylvester's law of inertia); else by all of the modes.
+    """
+    if leak.shape[0] == 0:
+        return True
+    diagonal = leak.diagonal()
+    if (diagonal < 0).any() and abs(leak - leak.T).max() < 1e-12:
+        return False  # a definite matrix has no such entry
+    around = np.asarray(abs(leak).sum(axis=1)).ravel() - np.abs(diagonal)
+    if (diagonal >= around - _NEUTRAL * diagonal).all():
+        return True
+    if leak.shape[0] <= _MOST_DENSE:
+        modes = np.linalg.eigvals(leak.toarray())
+        return bool(modes.real.min() >= -_NEUTRAL * np.abs(modes).max())
+    if abs(leak - leak.T).max() < 1e-12:
+        return _is_definite_matrix(leak)
+    return None
+
+
+def _is_definite_matrix(leak: Any) -> bool | None:
+    from scipy.sparse.linalg import splu  # slow to import, and only needed here
+
+    try:
+        factors = splu(leak, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except (RuntimeError, MemoryError):
+        return None
+    if not np.array_equal(factors.perm_r, factors.perm_c):  # with rows exchanged the signs say nothing
+        return None
+    return bool((factors.U.diagonal() > 0).all())

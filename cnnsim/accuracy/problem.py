@@ -1,0 +1,83 @@
+"""A transient as an initial value problem that can be solved several times, and its solution to an accuracy."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from cnnsim.backends.base import Backend, Outcome
+from cnnsim.network import Frames
+from cnnsim.planning.general import delays_of
+from cnnsim.planning.plan import Plan
+from cnnsim.support import Array, Flags
+
+
+class Start(Protocol):
+    """Runs a transient on a backend by a plan, from its own state or another."""
+
+    def __call__(self, where: Backend, plan: Plan, state: Array | None = None, /) -> Outcome:
+        """Return the outcome."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The end of a transient to an accuracy: the state, its estimated error, and the cells that are undecided.
+
+    ``plan`` is that of the last run; ``how`` says in words how the solution was found.
+    """
+
+    x: Array
+    t: float
+    settled: bool
+    rate: float
+    error: float
+    undecided: Flags
+    plan: Plan
+    how: str
+
+
+@dataclass(frozen=True)
+class TransientProblem:
+    """A transient that can be run several times: its ``plan``, ``start`` on a backend by any plan, and its planes.
+
+    ``planes`` are state, input, bias and mask as arrays (or None, or sequences).
+    """
+
+    plan: Plan
+    start: Start
+    planes: tuple[Any, Any, Any, Any]
+
+    @property
+    def timed(self) -> bool:
+        """Whether delays or sequences restrict the steps."""
+        network = self.plan.network
+        return network is not None and (
+            bool(delays_of(network)) or any(isinstance(plane, Frames) for plane in self.planes)
+        )
+
+    def free(self, cells: Flags) -> Flags:
+        """Return the given cells without the masked ones, whose state is kept and never undecided."""
+        mask = self.planes[3]
+        return cells if mask is None else cells & ~mask
+
+    def once(self, where: Backend, how: str) -> Solution:
+        """Run it by its own plan, which is exact."""
+        outcome = self.start(where, self.plan)
+        x = where.read(outcome.x)
+        none = np.zeros(x.shape, bool)
+        return Solution(x, outcome.t, outcome.settled, outcome.rate, 0.0, none, self.plan, how)
+
+    def perturbed(self, where: Backend, roundings: float, seed: int = 0) -> Array:
+        """Return the state with each free cell changed by ``roundings`` units of a backend's rounding, up or down."""
+        state, mask = self.planes[0], self.planes[3]
+        size = roundings * float(np.finfo(where.dtype).eps) * np.maximum(np.abs(state), 1.0)
+        signs = 2 * np.random.default_rng(seed).integers(0, 2, state.shape, np.int8) - 1
+        x: Array = state + (size * signs if mask is None else np.where(mask, 0, size * signs))
+        return x.clip(-1, 1) if self.plan.cell == "full-range" else x
+
+
+def largest(x: Array) -> float:
+    """Return the largest |x|, 0 of nothing, infinite where it is no number."""
+    found = float(np.abs(x).max(initial=0.0))
+    return found if math.isfinite(found) else math.inf
