@@ -4,7 +4,7 @@ from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from cnnsim.support.types import Array
+from cnnsim.support.values import Array
 
 _CELL = 'style="text-align:right; padding:1px 7px"'
 _NAME = 'style="text-align:left; vertical-align:top; padding:1px 12px 1px 0"'

@@ -1,7 +1,6 @@
 """Common parts of both packages: array types, the error for wrong input, diagnostics of files."""
 
-from cnnsim.support.diagnostics import Diagnostics
-from cnnsim.support.errors import InputError, naming
-from cnnsim.support.types import Array, Flags, Floats, Integers
+from cnnsim.support.errors import Diagnostics, InputError, naming
+from cnnsim.support.values import Array, Flags, Floats, Integers
 
 __all__ = ["Array", "Diagnostics", "Flags", "Floats", "InputError", "Integers", "naming"]

@@ -14,7 +14,7 @@ from numpy.lib import format as npy
 from cnnsim.support.errors import InputError
 from cnnsim.support.limits import check_file, check_unpacked, one_line
 from cnnsim.support.memory import check_memory, in_words
-from cnnsim.support.types import Array
+from cnnsim.support.values import Array
 
 
 def read_array(path: Path, what: str = "an array of NumPy") -> Array:

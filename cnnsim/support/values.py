@@ -1,4 +1,4 @@
-"""CNN values from arrays: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255."""
+"""CNN values from arrays: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255; array types."""
 
 import warnings
 from numbers import Integral
@@ -6,20 +6,31 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cnnsim.support.errors import InputError, shown
 from cnnsim.support.notices import users_level
-from cnnsim.support.types import Array, Floats
+
+Array = NDArray[Any]
+"""An array of any numbers."""
+
+Floats = NDArray[np.float64]
+"""An array of float64 numbers."""
+
+Integers = NDArray[np.int64]
+"""An array of whole numbers."""
+
+Flags = NDArray[np.bool_]
+"""An array of truth values."""
 
 
 def is_number(value: Any) -> TypeGuard[float]:
-    """Return whether a value is a real number, of Python's own types or of NumPy's; a boolean is none."""
+    """Return whether a value is a real number of Python or NumPy, and no boolean."""
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def is_whole(value: Any) -> TypeGuard[int]:
-    """Return whether a value is a whole number, of Python's own type or of NumPy's; a boolean is none."""
+    """Return whether a value is a whole number of Python or NumPy, and no boolean."""
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
@@ -29,10 +40,10 @@ def is_stored(plane: Any) -> bool:
 
 
 def stored_plane(name: str, plane: Any) -> Any:
-    """Return a plane that `is_stored`, as it is.
+    """Return a stored plane.
 
     Raises:
-        InputError: whole numbers: as CNN values, grey levels or truth values they look alike.
+        InputError: its numbers are neither floats nor booleans.
     """
     if np.dtype(plane.dtype).kind not in "bf":
         raise InputError(f"{name} is a stored plane of {plane.dtype}; CNN values as floats, or truth values, wanted")
@@ -43,7 +54,7 @@ def from_gray(levels: ArrayLike, top: float = 255.0) -> Floats:
     """Return grey levels from 0 (black) to ``top`` (white) as CNN values, 1 - 2 g / top.
 
     Raises:
-        InputError: levels outside that range; floats up to 1 where ``top`` is 255; what is no array of numbers.
+        InputError: levels outside that range, floats up to 1 with a ``top`` of 255, no array of numbers.
     """
     return 1.0 - _checked_levels("grey levels", levels, top) * (2.0 / top)
 
@@ -52,7 +63,7 @@ def to_planes(colours: ArrayLike, top: float = 255.0) -> Floats:
     """Return a colour picture (rows, cols, 3 or 4) as CNN values (3, rows, cols), transparency over white.
 
     Raises:
-        InputError: an array of another shape; levels as `from_gray`.
+        InputError: another shape, or levels as in `from_gray`.
     """
     levels = _checked_levels("levels of colours", colours, top)
     if levels.ndim != 3 or levels.shape[-1] not in (3, 4):
@@ -80,13 +91,12 @@ def _checked_levels(name: str, levels: ArrayLike, top: float) -> Floats:
 
 
 def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: bool = False) -> Array:
-    """Return a plane as an array of numbers: booleans become black and white.
+    """Return a plane as an array of numbers: booleans become +1 and -1, floats and single numbers are unchanged.
 
-    ``levels``: any whole number will do, but for bytes above 1, as pictures have them; ``logic``: above 0 is black, so
-    0 and 1 will do. Floats are taken as they are, and so is a single number.
+    ``levels`` accepts any whole numbers except bytes above 1, which are grey levels; ``logic`` accepts 0 and 1.
 
     Raises:
-        InputError: what is no array of numbers, or whole numbers that look like grey levels, truth values or colours.
+        InputError: no array of numbers, or whole numbers that look like grey levels, truth values or colours.
     """
     if np.ma.is_masked(values):
         raise InputError(f"{name} is a masked array; a plain one wanted, as of values.filled(0), and a mask of its own")
@@ -136,7 +146,7 @@ def as_numbers(name: str, values: ArrayLike, *, levels: bool = False, logic: boo
 
 
 def shape_of(name: str, values: Any) -> tuple[int, ...]:
-    """Return the shape of a plane, wherever it lies.
+    """Return the shape of a plane, in memory or stored.
 
     Raises:
         InputError: rows of unequal length.
@@ -148,7 +158,7 @@ def shape_of(name: str, values: Any) -> tuple[int, ...]:
 
 
 def _unequal(values: Any) -> str:
-    """Return which of some values are of unequal shape, as the end of a message; nothing where that is not it."""
+    """Return the end of a message about two values of unequal shape; an empty text if all shapes are equal."""
     try:
         shapes = [np.shape(value) for value in values]
     except (ValueError, TypeError):
@@ -158,22 +168,22 @@ def _unequal(values: Any) -> str:
 
 
 STRIP = 256
-"""Rows of a stored plane that are looked at at a time."""
+"""Rows of a stored plane that are read at a time."""
 
 
 def distinct(array: Array) -> Array:
-    """Return a view without the cells that only repeat others, as `numpy.broadcast_to` makes them."""
+    """Return a view without the repeated cells of `numpy.broadcast_to`."""
     return array[tuple(slice(None) if stride else slice(0, 1) for stride in array.strides)]
 
 
 def largest(array: Array) -> float:
-    """Return the largest absolute value, NaN if there is one, without a plane of absolute values in between."""
+    """Return the largest absolute value, or NaN, without a temporary plane."""
     values = distinct(array)
     return max(float(values.max()), -float(values.min())) if values.size else 0.0
 
 
 def is_grey(state: Any) -> bool:
-    """Return whether some cells of a state, in memory or stored, are not saturated; the first rows tell most."""
+    """Return whether a state, in memory or stored, has cells that are not saturated."""
     values = distinct(state) if isinstance(state, np.ndarray) else state
     strips = (np.asarray(values[..., row : row + STRIP, :]) for row in range(0, values.shape[-2], STRIP))
     rows = (row for strip in strips if strip.dtype != bool for row in strip.reshape(-1, strip.shape[-1]))
@@ -181,7 +191,7 @@ def is_grey(state: Any) -> bool:
 
 
 def has_zeros_for_white(array: Array) -> bool:
-    """Return whether an array holds 0 alone, or 0 and 1: truth values as floats, most likely."""
+    """Return whether an array has only the values 0, or 0 and 1: probably truth values as floats."""
     values = distinct(array)
     if not values.size or values.min() != 0 or values.max() not in (0, 1):
         return False
@@ -189,10 +199,10 @@ def has_zeros_for_white(array: Array) -> bool:
 
 
 def as_picture(name: str, values: ArrayLike, *, logic: bool = False) -> Array:
-    """Return a picture as `as_numbers`; one that leaves [-1, 1] is warned of.
+    """Return a picture as `as_numbers`; a picture outside of [-1, 1] gives a warning.
 
     Raises:
-        InputError: as `as_numbers`; an array (rows, cols, 3 or 4), which would be taken for rows many narrow grids.
+        InputError: as `as_numbers`; a shape (rows, cols, 3 or 4), which looks like colours.
     """
     array = as_numbers(name, values, logic=logic)
     if array.ndim == 3 and array.shape[-1] in (3, 4) and min(array.shape[:2]) > 4:

@@ -12,7 +12,7 @@ from cnnsim.support.array_files import open_npz, read_array
 from cnnsim.support.errors import InputError
 from cnnsim.support.pictures.pixels import Levels, extremes, from_levels, labels_error, tell_if_dark
 from cnnsim.support.pictures.sequence import PictureSequence, Reading
-from cnnsim.support.types import Array
+from cnnsim.support.values import Array
 
 SIXTEEN_BITS: Levels = (0.0, 65535.0)
 """Levels of whole numbers of 16 bits."""

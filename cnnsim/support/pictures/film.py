@@ -13,7 +13,7 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import writing
 from cnnsim.support.pictures.picture import to_image
-from cnnsim.support.types import Array
+from cnnsim.support.values import Array
 
 _CODECS = {".mp4": "libx264", ".mkv": "libx264", ".mov": "libx264", ".avi": "mpeg4"}
 VIDEO_ENDINGS = (*_CODECS, ".webm", ".m4v", ".mpg", ".mpeg", ".ogv", ".wmv", ".flv", ".ts", ".y4m")

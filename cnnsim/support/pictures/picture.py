@@ -16,8 +16,7 @@ from cnnsim.support.limits import check_plain, reason
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.pixels import Levels, check_labels, check_reading, pixel_bytes, values_of
 from cnnsim.support.pictures.upright import read_through, upright_size
-from cnnsim.support.types import Array, Floats
-from cnnsim.support.values import as_numbers, is_whole, largest
+from cnnsim.support.values import Array, Floats, as_numbers, is_whole, largest
 
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""

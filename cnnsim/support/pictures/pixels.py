@@ -15,8 +15,7 @@ from PIL import Image
 from cnnsim.support.errors import InputError, shown
 from cnnsim.support.notices import Notices
 from cnnsim.support.pictures.upright import upright
-from cnnsim.support.types import Array
-from cnnsim.support.values import from_gray, is_number
+from cnnsim.support.values import Array, from_gray, is_number
 
 Levels = tuple[float, float]
 """The numbers that stand for black and for white."""

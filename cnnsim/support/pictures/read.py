@@ -16,7 +16,7 @@ from cnnsim.support.pictures.arrays import of_array
 from cnnsim.support.pictures.film import VIDEO_ENDINGS
 from cnnsim.support.pictures.pixels import Levels, check_reading
 from cnnsim.support.pictures.sequence import PictureSequence, Reading, of_file, of_video, size_text
-from cnnsim.support.types import Array
+from cnnsim.support.values import Array
 
 
 @spelled()

@@ -15,7 +15,7 @@ from cnnsim.support.pictures.film import video_library
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
 from cnnsim.support.pictures.pixels import Levels, check_labels, values_of
 from cnnsim.support.pictures.upright import upright_size
-from cnnsim.support.types import Array
+from cnnsim.support.values import Array
 
 
 @dataclass(frozen=True)
