@@ -1,4 +1,4 @@
-"""Records a transient: its states at given times, or those of given cells at every step, by the steps of the run."""
+"""Recording of transients: states at given times, or of given cells at every step, by the steps of the run."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -20,11 +20,11 @@ Run = Callable[[Array, Plan], Array]
 """Runs a plan from a state and returns the state at its end."""
 
 _LONGEST = 1000.0
-"""Time constants after which a cell in closed form is watched no longer: one of a = 1 + 1e-3 takes as long."""
+"""Time constants after which the recording of a closed form ends: a cell with a = 1 + 1e-3 takes as long."""
 
 
 def parse_record(record: Record, shape: tuple[int, ...]) -> tuple[CellIndex, ...] | Floats:
-    """Return what is to be recorded on planes of ``shape``: cells, or times in ascending order.
+    """Parse what to record on planes of ``shape``: cells, or times in ascending order.
 
     Raises:
         InputError: neither times nor cells, a time below 0, a cell outside the grid.
@@ -67,9 +67,9 @@ def recorded(
     plan: Plan, state: Array, run: Run, wanted: tuple[CellIndex, ...] | Floats, end: float, output: Array,
     *, sequences: bool,
 ) -> Trajectory:  # fmt: skip
-    """Return states at times, or of cells at every step up to ``end``; they are those that the run itself goes through.
+    """Return states at times, or of cells at every step up to ``end``: the states of the run itself.
 
-    A time falls on the step next to it, whose own time the trajectory has; closed forms and the adaptive scheme have no
+    A time is rounded to a step, whose own time the trajectory has; closed forms and the adaptive scheme have no
     steps and meet every time. A network that has settled goes on as it would have.
 
     Arguments: ``state`` x(0), in the backend's dtype; ``wanted`` from `parse_record`; ``output`` y at the end;
@@ -94,15 +94,15 @@ def recorded(
         last = round(end / plan.step)
         steps = np.arange(last + 1) if asked is None else np.unique(np.rint(asked / plan.step).astype(np.int64))
         times = steps * plan.step
-        anew = sequences or (plan.network is not None and bool(delays_of(plan.network)))
-        anew |= plan.cell == "discrete-time" and not plan.characteristic.keeps_outputs
-        found = [kept(x) for x in _states(plan, state, run, [int(step) for step in steps], anew)]
+        restart = sequences or (plan.network is not None and bool(delays_of(plan.network)))
+        restart |= plan.cell == "discrete-time" and not plan.characteristic.keeps_outputs
+        found = [kept(x) for x in _states(plan, state, run, [int(step) for step in steps], restart)]
     x = np.array(found)
     return Trajectory(np.asarray(times, np.float64), x, plan.output(x), cells)
 
 
-def _states(plan: Plan, state: Array, run: Run, steps: Sequence[int], anew: bool) -> Iterator[Array]:
-    """Yield the states after so many steps; ``anew``: a state alone does not say how it goes on, as with delays."""
+def _states(plan: Plan, state: Array, run: Run, steps: Sequence[int], restart: bool) -> Iterator[Array]:
+    """Yield the states after numbers of steps; ``restart``: from x(0) each, as with delays a state is not enough."""
 
     @cache  # a backend prepares a plan once
     def of(count: int) -> Plan:
@@ -111,7 +111,7 @@ def _states(plan: Plan, state: Array, run: Run, steps: Sequence[int], anew: bool
     x, done = state, 0
     for step in steps:
         if step > done:
-            x = run(state, of(step)) if anew else run(x, of(step - done))
+            x = run(state, of(step)) if restart else run(x, of(step - done))
             done = step
         yield x
 

@@ -1,4 +1,4 @@
-"""Result: where a transient ended, in words and as a picture."""
+"""Result: the end of a transient, as text and as a picture."""
 
 from dataclasses import dataclass, field
 from math import nan
@@ -21,11 +21,11 @@ class Result:
 
     ``settled`` says whether nothing changes any more (see `Plan`); after a fixed duration that is not checked and it is
     False. ``rate`` is the largest |dx/dt| at the end, NaN if it was not computed. ``trajectory`` has what was recorded.
-    ``distance`` is how far an output of a settled network may still be from its end, NaN of one that has not settled,
-    and ``how`` says from what that is known. ``undecided`` (n, 2), or more columns for layers and batches, has the
-    cells whose output is decided by the smallest push: all of them where an accuracy was asked for, else those that are
-    seen on a ridge at the end, not those that rounding has thrown off it. ``error`` is that of the state by the run's
-    own estimate, where an accuracy was asked for, else NaN.
+    ``distance`` bounds the distance of an output of a settled network from its rest, NaN of one that has not settled;
+    ``how`` says how it is known. ``undecided`` (n, 2), or more columns for layers and batches, lists the cells whose
+    output the smallest perturbation decides: with an accuracy all of them, else those on a separatrix at the end.
+    ``error`` is the estimated largest error of a state where an accuracy was given, no less than the difference of the
+    last two runs, else NaN.
     """
 
     x: Array

@@ -1,7 +1,7 @@
-"""The start of a command line: from here on Ctrl-C ends it in one line, also while libraries are being imported.
+"""Start of a command line: Ctrl-C ends it with one line, also while libraries are imported.
 
-An exception at any place of an import would end in a traceback, or be lost where a library swallows it. What stands
-here imports next to nothing: until it has run, the answer to Ctrl-C is the interpreter's own.
+An exception within an import would end in a traceback, or be lost where a library catches it. This module imports
+next to nothing: until it has run, Ctrl-C is answered by the interpreter.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""A task: the planes of a transient checked against each other, its plan made, ready for any backend."""
+"""Task: the checked planes of a transient and its plan, for any backend."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
@@ -52,7 +52,7 @@ class Task:
         return list({id(plane): plane for plane in planes if plane is not None}.values())
 
     def cell_bytes(self, itemsize: int, backend: str = "cpu") -> float:
-        """Return the bytes a cell that a run takes, with what is given and the result, in numbers of so many bytes."""
+        """Return the bytes a cell of a run with its planes and result, in numbers of ``itemsize`` bytes."""
         return cell_bytes(self.plan, len(self.planes), itemsize, has_mask=self.mask is not None, backend=backend)
 
     def check_memory(self, backend: Backend) -> None:
@@ -134,7 +134,7 @@ Dtype = Literal["float32", "float64"]
 
 
 class TaskOptions(TypedDict, total=False):
-    """What `make_task` takes besides a template and a state; its signature has the defaults."""
+    """Options of `make_task` besides template and state; its signature has the defaults."""
 
     input: ArrayLike | Frames[Any] | None
     bias: ArrayLike | Frames[Any] | None
@@ -172,8 +172,8 @@ def make_task(
     `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 keeps a cell's state; ``duration`` in time constants or
     ``"settled"`` (see `Plan`), then at most ``limit``;
     ``scheme`` and ``step`` as in `planning.scheme`, or None to let the plan choose; ``without`` as in `make_plan`;
-    ``accuracy`` instead of scheme and step: a distance from the truth that no state may have, ``"binary"`` where only
-    the signs of the outputs count, or ``"exact"`` for what float64 can give.
+    ``accuracy`` instead of scheme and step: the largest error of a state, ``"binary"`` where only the signs of the
+    outputs count, or ``"exact"`` for 1e-10.
 
     Raises:
         InputError: planes that do not fit or are not finite, a step that cannot be stable.

@@ -58,7 +58,7 @@ class Trajectory:
     def plot(self, axes: "Axes | None" = None, *, cells: Sequence[CellIndex] | None = None) -> "Axes":
         """Draw the states of cells over time and return the axes; of whole planes without ``cells`` a row of pictures.
 
-        Arguments: ``axes`` of matplotlib, None for new ones; ``cells`` (row, column), of those that were recorded.
+        Arguments: ``axes`` of matplotlib, None for new ones; ``cells`` (row, column), of the recorded ones.
 
         Raises:
             InputError: a cell that was not recorded, cells of several layers or of a batch.

@@ -1,4 +1,4 @@
-"""The linear system that a template is on a grid: the sparse matrix of A with its virtual cells, and the drive w."""
+"""Linear system of a template on a grid: the sparse matrix of A with its virtual cells, and the drive w."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,8 +17,8 @@ class LinearSystem:
     """dx/dt = -x + A y + w in the ``free`` cells and 0 in the others, all cells of a grid in one row.
 
     ``matrix`` (cells, cells) is A as a sparse matrix, to which virtual cells that repeat real ones belong; ``drive``
-    (cells,) is w = B*u + z + bias, and what virtual cells of constant output add. ``limited``: full-range cells;
-    ``inverse``: roughly that of I - A; ``definite``: no mode of it, among whatever cells, grows.
+    (cells,) is w = B*u + z + bias and the part of virtual cells of constant output. ``inverse``: an approximate inverse
+    of I - A; ``definite``: no mode grows, whatever cells are free.
     """
 
     matrix: Any

@@ -73,7 +73,7 @@ class SettledState:
         away = float(np.abs(plan.output(end) - plan.output(x.astype(np.float64))).max())
         if undecided.any() and rate > 100 * np.finfo(x.dtype).eps:
             separatrix[...] = undecided
-            return None  # the state has begun to leave the separatrix
+            return None  # the state leaves the separatrix
         if undecided.any():
             return Ending(x, t, 0.0, undecided, f"{int(undecided.sum())} cells stand on a separatrix")
         if away <= distance:

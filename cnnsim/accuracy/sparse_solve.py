@@ -1,4 +1,4 @@
-"""Solves the sparse linear system of a network at rest: by factors, or by conjugate gradients where it is large."""
+"""Sparse linear systems of networks at rest: LU factors, or conjugate gradients for large ones."""
 
 from typing import Any
 
@@ -10,18 +10,18 @@ from cnnsim.support import Floats
 MOST_FACTORED = 20_000
 """Cells whose matrix is factored: of a biharmonic surface 141 x 141, in about a second and 200 MB."""
 _MOST_ITERATIONS = 600
-"""A round: where that is not enough, a state gets to its rest faster by steps."""
+"""A round: beyond that a state reaches its rest faster by steps."""
 _FAR = 1e9
-"""Modes this much slower than the cell are none."""
+"""Growth of a probe from which on the matrix counts as singular."""
 
 
 def solve_sparse(leak: Any, right: Floats, tolerance: float, inverse: Inverse | None = None) -> Floats | None:
-    """Return v with ``leak`` v = ``right`` to about the tolerance, None if there is none to be had.
+    """Return v with ``leak`` v = ``right`` to about the tolerance, None if none is found.
 
-    ``inverse`` is roughly that of the matrix, where one is known (see `spectral`).
+    ``inverse`` is an approximate inverse of the matrix, if known (see `spectrum`).
 
-    Where the matrix is singular (diffusion that keeps its mean) and symmetric, it is the smallest of the solutions:
-    the change that a transient with this rate has still to go through.
+    Where the matrix is singular (diffusion that keeps its mean) and symmetric, it is the smallest solution:
+    the remaining change of a transient with this rate.
     """
     if not right.size or not right.any():
         return np.zeros_like(right)

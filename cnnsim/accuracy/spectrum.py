@@ -1,4 +1,4 @@
-"""The inverse of I - A on a whole grid by fast sine, cosine or Fourier transforms, whatever its boundary."""
+"""Spectrum of I - A: its inverse on a grid by fast sine, cosine or Fourier transforms, and its definiteness."""
 
 from collections.abc import Callable
 from functools import cache, lru_cache
@@ -50,7 +50,7 @@ def _frequencies(cells: int, boundary: Boundary) -> Floats:
 
 @lru_cache(maxsize=64)
 def is_definite(taps: tuple[Tap, ...], boundary: Boundary, *, decay: float = 0.0) -> bool:
-    """Return whether all modes of I - A, among whatever cells of a grid of whatever size, decay at least so fast.
+    """Return whether all modes of I - A, among any cells of any grid, decay at least at the rate ``decay``.
 
     For a symmetric A the matrix among some cells is a part of that of the endless grid, whose modes are the waves: its
     smallest mode is at least that of the smallest wave (Cauchy's interlacing). Cells repeated beyond an edge are a

@@ -46,7 +46,7 @@ def verify_settled(
         check_memory(what, solving_bytes(plan) * x.size, "a duration instead of 'settled', or a smaller grid, wanted")
     planes = [None if plane is None else backend.read(plane).astype(np.float64) for plane in (u, bias)]
     drive = control(plan, x.astype(np.float64), *planes) if plan.method == "stepped" else None
-    fine: list[Any] = []  # in float64: float32 stands still far from the rest of slow modes
+    fine: list[Any] = []  # in float64: in float32 slow modes stop far from their rest
 
     def run(state: Array, duration: float) -> Array:
         if not fine:

@@ -1,4 +1,4 @@
-"""Per-cell nonlinearities: functions of the planes' values at one cell, with no neighbours in them."""
+"""Cellwise operations: functions of the values of planes at one cell, without neighbours."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

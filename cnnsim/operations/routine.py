@@ -1,9 +1,8 @@
-"""Routines: operations of the machine one after the other, on numbered planes and registers.
+"""Routines: sequences of instructions on numbered planes and registers, for compiled execution.
 
-The CNN universal machine keeps the templates, the logic and the steps of a program in registers of its own (its global
-analogic programming unit), so that nobody outside has to say each step: Roska and Chua, IEEE Trans. CAS-II 40
-(1993) 163. A routine is such a stretch of a program. Planes of either memory and registers have numbers of their own;
-none is written twice.
+The CNN universal machine keeps templates, logic and steps of a program in its global analogic programming unit and
+executes them without a host (Roska and Chua, IEEE Trans. CAS-II 40 (1993) 163). A routine is a basic block of a program
+in that form. Planes of each memory and registers are numbered separately; each is written once.
 """
 
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import Any, NamedTuple
 
 
 class Op(IntEnum):
-    """What an instruction does: its ``to``, ``p``, ``q`` are numbers of planes or registers, ``by`` what else it says.
+    """Operations: ``to``, ``p``, ``q`` are numbers of planes or registers, ``by`` is a constant of the instruction.
 
     LLM planes: ``LOGIC`` (by a function's number), ``NEIGHBOURHOOD`` of p (by a rule and a boundary), ``BLACK_ABOVE`` 0
     of the LAM plane p, ``SHADE`` (by a number, above 0 is black), ``SHADE_BY`` the register p. LAM planes: ``VALUES``
@@ -52,7 +51,7 @@ class Instruction(NamedTuple):
 
 
 class Stores(NamedTuple):
-    """Something for each kind of store: ``llm`` and ``lam`` planes, ``wire`` registers."""
+    """One value for each kind of store: ``llm`` and ``lam`` planes, ``wire`` registers."""
 
     llm: Any
     lam: Any
@@ -61,9 +60,7 @@ class Stores(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Routine:
-    """Instructions on planes of ``shape``: how many planes and registers they use, and the numbers of those that are
-    given and of those that are results.
-    """
+    """Instructions on planes of ``shape``: ``sizes`` of the stores, numbers of inputs and results."""
 
     shape: tuple[int, ...]
     instructions: tuple[Instruction, ...]

@@ -1,4 +1,4 @@
-"""Execution of a program: its planes and registers by name, and what each kind of step does to them."""
+"""Execution of a program on its planes and registers: one case for each kind of step."""
 
 import math
 from functools import partial
@@ -53,8 +53,8 @@ def filled(backend: Backend, program: Program, name: str, value: float | Array, 
 class Execution:
     """A program as it runs on planes of one shape.
 
-    Arguments: ``blocks`` the steps as a machine has compiled them; ``planes`` by name, those of the inputs and of what
-    was kept, to which the steps add theirs; ``on_engine`` where planes lie on the disk.
+    Arguments: ``blocks`` compiled for a machine; ``planes`` by name: the inputs and the kept planes at first, then all
+    that the steps write; ``on_engine`` for planes on the disk.
     """
 
     def __init__(
@@ -156,10 +156,10 @@ class Execution:
 
 
 def _number(step: NumberStep, p: Any, q: Any) -> Any:
-    """Return what a number step comes to: a number, or one for each grid of a batch.
+    """Return the result of a number step: a number, or one for each grid of a batch.
 
     Raises:
-        InputError: no register has room for it.
+        InputError: the result is larger than a register holds.
     """
     found = np.frompyfunc(ARITHMETIC[step.function], 2, 1)(p, q)  # Python's own whole numbers, which never wrap
     if abs(worst := max(np.ravel(found), key=abs)) > REGISTER:

@@ -1,4 +1,4 @@
-"""explain: how a template, or the template steps of a program, would be computed on a grid; nothing is computed."""
+"""explain: the plan of a template, or of each template step of a program, on a grid; nothing is computed."""
 
 from dataclasses import dataclass
 from typing import Unpack, overload
@@ -22,7 +22,7 @@ from cnnsim.task import TaskOptions
 
 @dataclass(frozen=True)
 class ExplainedStep:
-    """A step that runs a template: its ``number``, what it does, its ``plan``, or None where packed logic does it."""
+    """A template step: its ``number``, a description, and its ``plan``, None for packed logic."""
 
     number: str
     words: str
@@ -35,7 +35,7 @@ class ExplainedStep:
 
     @property
     def decisions(self) -> tuple[tuple[str, str], ...]:
-        """What was decided, and why."""
+        """The decisions and their reasons."""
         if self.plan is None:
             return (
                 ("packed logic", "black and white from black and white: an AND or OR of neighbours, 64 cells a word"),
@@ -59,7 +59,7 @@ class ProgramExplanation:
 
 
 def explain_program(program: Program, shape: tuple[int, int] = (64, 64)) -> list[ExplainedStep]:
-    """Return what is decided for each step that runs a template, on a grid of ``shape`` (rows, cols).
+    """Return the plan of each template step on a grid of ``shape`` (rows, cols).
 
     Raises:
         InputError: a template that cannot run on such a grid.
@@ -90,7 +90,7 @@ def explain(
     template: str | LibraryEntry | AnyTemplate | Program, picture: ArrayLike = (64, 64), backend: str = "cpu",
     **changes: Unpack[TaskOptions],
 ) -> Explanation | ProgramExplanation:  # fmt: skip
-    """Return what the plan decides for a template, or for each template step of a program, on a grid, and why.
+    """Return the plan of a template, or of each template step of a program, on a grid, with its reasons.
 
     Arguments: ``template`` a name or an entry of the library, a program or its name ("programs/NAME" where a template
     has it too), a file, or a template of your own, whose time no theory tells here; ``picture`` CNN values (rows,

@@ -1,4 +1,4 @@
-"""Reads program files into programs, checked whole before anything runs; an error names the step."""
+"""Reading of program files: all steps are checked before anything runs, and an error names its step."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -33,7 +33,7 @@ def load_program(
     the file defines under the same names.
 
     Raises:
-        InputError: the file, the step and what is wrong with it.
+        InputError: all errors of the file, each with its step.
     """
     if not isinstance(path, str | Path):
         raise InputError(f"program {path!r}; the name of one of the library, or a file, wanted")
@@ -46,7 +46,7 @@ def load_program(
 
 
 def find_program(name: str) -> Program | None:
-    """Return the program that a name or a file stands for; None if it is that of a template, or of nothing.
+    """Return the program of a name or a file; None if it belongs to a template, or is unknown.
 
     Where a template and a program share a name, "programs/NAME" is the program.
 
@@ -68,7 +68,7 @@ def program_of(
     """Return the program that the tables of a file are; the other arguments as in `load_program`.
 
     Raises:
-        InputError: the step and what is wrong with it.
+        InputError: all errors, each with its step.
     """
     faults = ErrorList()
     faults.check(data, (*_REQUIRED, *_OPTIONAL), required=_REQUIRED)
@@ -110,7 +110,7 @@ def _numbers(data: dict[str, Any], parameters: Mapping[str, float], faults: Erro
 def _local_templates(
     data: dict[str, Any], templates: Mapping[str, Template], faults: ErrorList
 ) -> dict[str, LocalTemplate]:
-    """Return the program's own templates by name; a wrong one stands there as one that does nothing."""
+    """Return the program's own templates by name; one with errors is replaced by A = 0."""
     tables: dict[str, Any] = {}
     with faults.collecting():
         tables = take(data, "templates", dict, "program", {})

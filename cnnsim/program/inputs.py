@@ -1,4 +1,4 @@
-"""Inputs of a program checked: their names, that they are planes of one shape, and that there is memory for them."""
+"""Checks of a program's inputs: names, one shape, finite values, and memory."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -48,13 +48,13 @@ def parameters_meant(program: Program, names: Iterable[str]) -> list[str]:
 
 
 def check_values(program: Program, inputs: Mapping[str, ArrayLike], *, stored: bool = False) -> None:
-    """Refuse what a single run of a program would answer wrongly; a machine that runs many a second asks for less.
+    """Refuse inputs for which a single run would give wrong results; `UniversalMachine.run` checks less, to be fast.
 
     Logic planes beyond [-1, 1] are warned of. ``stored``: planes on the disk are looked at where they are read.
 
     Raises:
         InputError: an input that is not finite, or colours; several pictures where the program keeps planes from
-            picture to picture: the grids of a batch know nothing of each other, so each would be a first picture.
+            picture to picture: the grids of a batch are independent, so each would be a first picture.
     """
     for name in set(program.inputs) & set(inputs):
         if stored and is_stored(inputs[name]):  # looked at where it is read
@@ -65,7 +65,7 @@ def check_values(program: Program, inputs: Mapping[str, ArrayLike], *, stored: b
             raise InputError(f"{name} holds {array[~np.isfinite(array)][0]}; finite numbers wanted")
         if array.ndim == 3 and program.keep:
             raise InputError(
-                f"{name} has shape {array.shape}, grids that know nothing of each other, and program {program.name!r} "
+                f"{name} has shape {array.shape}, independent grids, and program {program.name!r} "
                 "keeps planes from picture to picture; a run of one UniversalMachine for each picture wanted"
             )
 

@@ -93,7 +93,7 @@ class UniversalMachine:
     def run(self, program: Program, **inputs: ArrayLike) -> dict[str, Any]:
         """Run a program on planes (rows, cols) of one shape and return its outputs: arrays, and numbers from wires.
 
-        Planes (n, rows, cols) are n grids that know nothing of each other; wires then give (n,) numbers, and steps that
+        Planes (n, rows, cols) are n independent grids; wires then give (n,) numbers, and steps that
         ask a wire what to do are errors.
 
         Raises:

@@ -1,4 +1,4 @@
-"""Names of a program file while it is read: the memory of each, whether it has been written yet, and its templates."""
+"""Symbol table of a program file: the memory of each name, the names written so far, parameters and templates."""
 
 from collections.abc import Mapping
 from typing import Any, get_args

@@ -14,7 +14,7 @@ def numbered(steps: tuple[Any, ...], prefix: str = "") -> Iterator[tuple[str, An
 
 
 def step_rows(steps: tuple[Any, ...]) -> Iterator[tuple[str, str, str]]:
-    """Yield (number, what it does, what it writes) of all steps."""
+    """Yield (number, description, names written) of all steps."""
     for number, step in numbered(steps):
         to = getattr(step, "to", "")
         yield number, str(step), to if isinstance(to, str) else ", ".join(to)

@@ -10,7 +10,7 @@ A program is a TOML file. It declares its memories and lists its steps, each a t
 * ``wire``: "any", "all" or "count" of the plane ``of`` into the wire register ``to``;
 * ``number``: "add", "subtract", "multiply" or "less" (1 or 0) ``of`` two wire registers, parameters or whole numbers
   into the wire register ``to``;
-* ``repeat``: so many times (a number or a parameter) the steps in ``[[step.do]]``;
+* ``repeat``: the steps in ``[[step.do]]`` this many times (a number or a parameter);
 * ``until_unchanged``: ``[[step.do]]`` until a logic plane comes out as it went in, at most ``limit`` times;
 * ``when``: ``[[step.do]]`` if a wire register is not 0, else ``[[step.otherwise]]``.
 """
@@ -132,7 +132,7 @@ ARITHMETIC: Mapping[str, Callable[[int, int], int]] = {
     "multiply": operator.mul,
     "less": lambda p, q: int(p < q),
 }
-"""What the control unit can do with two wire registers."""
+"""Functions of two wire registers."""
 
 
 @dataclass(frozen=True, eq=False)

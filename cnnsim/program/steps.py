@@ -44,7 +44,7 @@ def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
         with names.faults.collecting(), located(table):
             step = _step(table, f"{prefix}{i}", names)
             steps += () if step is None else (step,)
-        if len(names.faults) > before:  # what it would have written is no fault of the steps that read it
+        if len(names.faults) > before:  # count its results as written: no errors by it
             to = _list(table.get("to", []))
             names.written |= {name for name in to if isinstance(name, str) and name in names.memory}
     return tuple(steps)

@@ -1,4 +1,4 @@
-"""Draws a trace: what was given, where the chosen cells lie, states and outputs over time, and a sheet of pictures."""
+"""Figure of a trace: given planes, the chosen cells, states and outputs over time, and a row of pictures."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -81,7 +81,7 @@ def _layer(planes: Array, layer: int) -> Array:
 
 
 def _held(task: Task, t: float, layer: int) -> Array:
-    """Return the input that holds at a time: at the end of the run the one that was held until then."""
+    """Return the input at a time; at the end of the run the last one."""
     step = task.plan.step
     return _layer(np.asarray(at_step(task.input, max(0, round(t / step) - 1), step)), layer)
 

@@ -1,4 +1,4 @@
-"""Records a transient: the states of a whole plane at evenly spaced times."""
+"""Trace of a transient: the states of a plane at evenly spaced times, and cells that represent it."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ def record(task: Task, backend: Backend, duration: float, frames: int = 120, lay
     if task.state.ndim > 2 and (task.plan.network is None or len(task.plan.network.layers) != layers):
         raise InputError(f"planes of shape {task.state.shape}; a trace is of one grid, not of a batch")
     if not 0 <= layer < layers:
-        raise InputError(f"layer {layer}; 0 to {layers - 1} are there")
+        raise InputError(f"layer {layer}; 0 to {layers - 1} wanted")
     later = task.states(backend, duration, frames, first=1)
     times, states = zip((0.0, task.state), *later, strict=True)
     x = np.array([state.reshape(-1, *state.shape[-2:])[layer] for state in states], dtype=np.float64)
@@ -71,7 +71,7 @@ def representative_cells(trace: Trajectory, most: int = 5) -> list[CellIndex]:
     """Return up to ``most`` cells whose states go different ways, in the order in which they first move.
 
     The first is the cell that moves most; each next one is that whose state is farthest from all those before it (sum
-    of |x - x'| over time), until the rest only repeat what is there.
+    of |x - x'| over time), until the others repeat these.
     """
     frames, _, cols = trace.x.shape
     states = trace.x.reshape(frames, -1)
