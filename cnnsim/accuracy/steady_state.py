@@ -91,7 +91,7 @@ def _is_monotone(plan: Plan, x: Array, drive: Array, mask: Flags | None) -> bool
 def _settle(
     problem: TransientProblem, where: Backend, tolerance: Tolerance, plan: Plan, state: Array | None = None
 ) -> Solution:
-    """Run once until the network settles, and on to its rest; small outputs are solved for more accurately where signs count."""
+    """Run once to the rest; where signs count, small outputs are solved for more accurately."""
     outcome = problem.start(where, plan, state)
     if not outcome.settled:
         x = where.read(outcome.x)

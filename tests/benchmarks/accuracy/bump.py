@@ -54,9 +54,7 @@ def section() -> Section:
         f"from the cache in "
         f"{warm * 1e3:.2g} ms instead of {cold:.2g} s."
     )
-    return Section(
-        "bump", "3. Bump by finite elements", answer, _text(rows), rows, lambda fig: _draw(fig, rows), (9.5, 4)
-    )
+    return Section("bump", "3. Bump by finite elements", answer, _text(rows), rows)
 
 
 def _row(way: str, fineness: float, unknowns: int, error: float, seconds: float) -> dict[str, Any]:
@@ -139,17 +137,3 @@ def _text(rows: list[dict[str, Any]]) -> str:
         gaps=" | ".join(f"{row['error']:.1%}" for row in gaps),
         cold=by_way["table, computed"]["seconds"], warm=by_way["table, from the cache"]["seconds"] * 1e3,
     )  # fmt: skip
-
-
-def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
-    left, right = figure.subplots(1, 2)
-    for kind in KINDS:
-        found = [row for row in rows if row["way"] == kind]
-        left.loglog([r["seconds"] for r in found], [r["error"] for r in found], "o-", label=kind, markersize=4)
-    left.set(title="element and mesh", xlabel="wall time [s]", ylabel="largest error over the peak")
-    gaps = [row for row in rows if row["way"] == "small strain instead of finite"]
-    right.loglog([r["fineness"] for r in gaps], [r["error"] for r in gaps], "o-", markersize=4, label="small strain")
-    right.set(title="small strain instead of finite", xlabel="pressed in [um]", ylabel="difference over the peak")
-    for one in (left, right):
-        one.legend(fontsize=8)
-        one.grid(alpha=0.3, which="both")

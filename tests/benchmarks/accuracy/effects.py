@@ -16,7 +16,6 @@ from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene_file.file import bare_scene
 from tactile.simulator.sizes import Sample, Size, sizes_in
 from tactile.simulator.tradeoff import Trade, trades
-from tests.benchmarks.accuracy.labels import label_points
 from tests.benchmarks.accuracy.section import Section
 from tests.kits.touch.random_scenes import error_of_seeds, random_scene, random_touch
 
@@ -57,7 +56,7 @@ def section(cases: int) -> Section:
     )
     text = _text(found, parts, tries)
     return Section(
-        "effects", "5. Effects of the skin", answer, text, rows, lambda fig: _draw(fig, found, parts), (13, 8.5)
+        "effects", "5. Effects of the skin", answer, text, rows, lambda fig: _draw(fig, found), (13, 4.5)
     )
 
 
@@ -159,16 +158,6 @@ def _text(found: dict[str, list[Trade]], parts: dict[str, list[Part]], tries: li
     )  # fmt: skip
 
 
-def _draw(figure: Any, found: dict[str, list[Trade]], parts: dict[str, list[Part]]) -> None:
-    above, below = figure.subplots(2, len(found))
-    for (name, trade), one, other in zip(found.items(), above, below, strict=True):
-        draw_trades(trade, one, name)
-        places = [(seconds * 1e6, max(size.change, 1e-4)) for _, size, seconds in parts[name]]
-        other.plot(*zip(*places, strict=True), ".", color="C0")
-        other.set(xscale="log", yscale="log", title=f"{name}: what each effect adds")
-        other.set(xlabel="time of a frame [us]", ylabel="size over the peak")
-        other.margins(x=0.25)
-        other.grid(alpha=0.3, which="both")
-    for (name, some), axes in zip(parts.items(), below, strict=True):  # when all axes have their sizes
-        places = [(seconds * 1e6, max(size.change, 1e-4)) for _, size, seconds in some]
-        label_points(axes, places, [effect.replace("_", " ") for effect, _, _ in parts[name]])
+def _draw(figure: Any, found: dict[str, list[Trade]]) -> None:
+    for (name, trade), axes in zip(found.items(), figure.subplots(1, len(found)), strict=True):
+        draw_trades(trade, axes, name)

@@ -42,7 +42,7 @@ def section() -> Section:
         f"{few['error'] / many['error']:.2g} x "
         f"nearer than 2 x 2, for {many['seconds'] / few['seconds']:.2g} x the time."
     )
-    return Section("inverse", "4. Inverse", answer, _text(rows), rows, lambda figure: _draw(figure, rows), (13, 4.5))
+    return Section("inverse", "4. Inverse", answer, _text(rows), rows)
 
 
 def _row(
@@ -148,30 +148,3 @@ def _text(rows: list[dict[str, Any]]) -> str:
         stable32=worst("stable, float32"), stable64=worst("stable, float64"), trials=TRIALS, table="\n".join(lines),
         bias=noise[WAYS[1], 8, 1e-5]["force error"],
     )  # fmt: skip
-
-
-def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
-    left, middle, right = figure.subplots(1, 3)
-    for way in dict.fromkeys(row["way"] for row in rows if row["family"] == "forms"):
-        found = sorted((r["size"], r["error"]) for r in rows if (r["family"], r["way"]) == ("forms", way))
-        left.loglog(*zip(*found, strict=True), "-" if way.startswith("stable") else "--", label=way, marker=".")
-    left.axvline(np.sqrt(2), color="black", linewidth=0.7, linestyle=":")
-    left.set(title="printed and stable form", xlabel="rho / z", ylabel="relative error of rho and F", ylim=(1e-18, 1e5))
-    for way, line in zip(WAYS, ("o-", "x-", ":"), strict=True):
-        for part, name, colour in (("error", "place [z]", "C0"), ("force error", "F", "C1")):
-            of = [r for r in rows if r["family"] == "noise" and (r["way"], r["size"]) == (way, 8)]
-            found = sorted((r["noise"], r[part]) for r in of)
-            middle.loglog(*zip(*found, strict=True), line, color=colour, label=f"{name}, {way}", markersize=4)
-    middle.set(title="noise, 8 x 8 taxels", xlabel="noise over the largest signal", ylabel="rms error")
-    time = right.twinx()
-    for level, line in zip(NOISES, ("-", "--", "-.", ":"), strict=True):
-        of = [r for r in rows if r["family"] == "noise" and (r["way"], r["noise"]) == (WAYS[0], level)]
-        sides = [r["size"] for r in of]
-        right.loglog(sides, [r["error"] for r in of], "o-", label=f"noise {level:g}", markersize=4)
-        time.semilogx(sides, [1e6 * r["seconds"] for r in of], line, color="grey", linewidth=0.8)
-    time.set(ylim=(0, None), ylabel="best wall time of a frame [us], grey")
-    right.set(title="how many taxels", xlabel="taxels on a side", ylabel="rms error of the place [z]")
-    right.set_xticks(SIDES, [str(side) for side in SIDES])
-    for one in (left, middle, right):
-        one.legend(fontsize=7)
-        one.grid(alpha=0.3)

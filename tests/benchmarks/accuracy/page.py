@@ -36,14 +36,16 @@ def write_page(
 def _write(section: Section, files: Path, page: str) -> None:
     write_rows(files / f"{section.stem}.csv", section.rows)
     (files / f"{section.stem}.json").write_text(json.dumps(list(section.rows), indent=1) + "\n", encoding="utf-8")
-    figure = Figure(figsize=section.size, layout="constrained")
-    section.draw(figure)
-    for axes in figure.axes:  # between the powers of ten there is no room for numbers as large as theirs
-        axes.tick_params(which="minor", labelsize=5)
-    figure.savefig(files / f"{section.stem}.png", dpi=90)
+    picture: list[str] = []
+    if section.draw is not None:
+        figure = Figure(figsize=section.size, layout="constrained")
+        section.draw(figure)
+        for axes in figure.axes:  # between the powers of ten there is little room
+            axes.tick_params(which="minor", labelsize=5)
+        figure.savefig(files / f"{section.stem}.png", dpi=90)
+        picture = [f"![{section.title}]({page}/{section.stem}.png)", ""]
     lines = [
-        f"- {section.answer}", "", f"## {section.title}", "",
-        f"![{section.title}]({page}/{section.stem}.png)", "", section.text.strip(), "",
+        f"- {section.answer}", "", f"## {section.title}", "", *picture, section.text.strip(), "",
         f"Figures: [CSV]({page}/{section.stem}.csv), [JSON]({page}/{section.stem}.json).",
     ]  # fmt: skip
     (files / f"{section.stem}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

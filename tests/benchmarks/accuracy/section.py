@@ -13,7 +13,7 @@ class Section:
 
     ``stem`` names its files, ``answer`` is its one sentence on top of the page, ``text`` its paragraphs (Markdown),
     ``rows`` the figures for CSV and JSON, all with the same keys; ``draw`` draws into a figure of matplotlib of
-    ``size`` [inch].
+    ``size`` [inch], None for no diagram.
     """
 
     stem: str
@@ -21,5 +21,5 @@ class Section:
     answer: str
     text: str
     rows: Sequence[dict[str, Any]]
-    draw: Draw
+    draw: Draw | None = None
     size: tuple[float, float] = (11.0, 10.0)

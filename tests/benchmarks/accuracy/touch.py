@@ -35,7 +35,7 @@ def section() -> Section:
         f"loads and textures "
         f"it is {large:.2g} x that ({small:.2g} x on 2 x 2), with a program of one's own {_ratio(of, 8):.2g} x."
     )
-    return Section("touch", "6. Touch", answer, _text(of), rows, lambda figure: _draw(figure, rows), (9.5, 4))
+    return Section("touch", "6. Touch", answer, _text(of), rows)
 
 
 def _ratio(of: dict[Any, Any], side: int) -> float:
@@ -102,15 +102,3 @@ def _text(of: dict[Any, Any]) -> str:
     return _TEXT.format(
         program=PROGRAM, asked=" | ".join(ASKED), rule="---|" * len(ASKED) + "---", table="\n".join(lines)
     )
-
-
-def _draw(figure: Any, rows: list[dict[str, Any]]) -> None:
-    for axes, part, title in zip(
-        figure.subplots(1, 2, sharey=True), ("median us", "p99 us"), ("median", "99 of 100 frames"), strict=True
-    ):
-        for asked in ASKED:
-            found = [(row["side"] ** 2, row[part]) for row in rows if row["asked"] == asked]
-            axes.loglog(*zip(*found, strict=True), "o-", markersize=4, label=asked)
-        axes.set(title=title, xlabel="taxels", ylabel="time of a frame [us]")
-        axes.legend(fontsize=8)
-        axes.grid(alpha=0.3, which="both")
