@@ -55,9 +55,7 @@ def section(cases: int) -> Section:
         f"kept one of {TOLERANCE:.0%} in {kept:.1%} of {cases} random scenes, each with three seeds."
     )
     text = _text(found, parts, tries)
-    return Section(
-        "effects", "5. Effects of the skin", answer, text, rows, lambda fig: _draw(fig, found), (13, 4.5)
-    )
+    return Section("effects", "5. Effects of the skin", answer, text, rows, lambda fig: _draw(fig, found), (13, 4.5))
 
 
 def _at(trade: list[Trade], tolerance: float) -> Trade:
