@@ -43,7 +43,7 @@ def device_planes(plan: Plan) -> float:
     stages; and the result.
     """
     if plan.method == "closed form":
-        return 9 if plan.template.control_terms else 1
+        return 4 if plan.template.control_terms else 1
     stages = 1 if plan.scheme is None else len(plan.scheme.b)
     if plan.method != "general" and stages == 1:
         return 3
