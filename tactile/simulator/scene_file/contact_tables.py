@@ -11,7 +11,16 @@ from cnnsim.support import InputError, naming
 from cnnsim.support.array_files import read_array
 from cnnsim.support.error_list import read_all
 from cnnsim.support.limits import one_line
-from cnnsim.support.toml_file import check_keys, line_of, located, take, take_from_zero, take_numbers, take_positive
+from cnnsim.support.toml_file import (
+    check_keys,
+    line_of,
+    located,
+    take,
+    take_choice,
+    take_from_zero,
+    take_numbers,
+    take_positive,
+)
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.materials import PRESETS
 from tactile.simulator.contacts.moving_contact import MovingContact
@@ -19,7 +28,7 @@ from tactile.simulator.contacts.shapes import LAWS, ROUND
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.contacts.traction_map import TractionMap
 from tactile.simulator.field import Contact
-from tactile.simulator.scene_file.table_values import chosen, friction_of, keyframes, one_finger, take_seed
+from tactile.simulator.scene_file.table_values import friction_of, keyframes, one_finger, take_seed
 
 BY_FORCE = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 BY_DEPTH = "t_s, x_mm, y_mm, Q_N, R_N, indentation_mm"
@@ -27,7 +36,7 @@ GIVEN = ("force", "indentation")
 
 
 def read_contact(table: dict[str, Any], names: list[str], where: str, folder: Path) -> Contact:
-    """An indenter, pressed by force or by depth, with a twist in a seventh column where ``twist = true``.
+    """Return a body pressed by force or by depth, with a twist in a seventh column where ``twist = true``.
 
     Raises:
         InputError: an unknown key or shape, a missing size, a wrong path.
@@ -36,7 +45,7 @@ def read_contact(table: dict[str, Any], names: list[str], where: str, folder: Pa
         return _height_map(table, names, where, folder)
     given, twisted, indenter, friction, finger, path = read_all(
         where,
-        lambda: chosen(table, "given", GIVEN, where),
+        lambda: take_choice(table, "given", GIVEN, where, "force"),
         lambda: take(table, "twist", bool, where, False),
         lambda: _indenter(table, where),
         lambda: friction_of(table, where),
@@ -52,13 +61,13 @@ def read_contact(table: dict[str, Any], names: list[str], where: str, folder: Pa
 
 
 def columns_of(table: dict[str, Any]) -> str:
-    """Return what the columns of a contact's path are."""
+    """Return the names of the columns of a contact's path."""
     twisted = table.get("twist") is True and table.get("shape") != "height_map"
     return (BY_DEPTH if table.get("given") == "indentation" else BY_FORCE) + ", M_Nmm" * twisted
 
 
 def _check_fits(table: dict[str, Any], where: str) -> None:
-    """Refuse what does not go with the shape of a contact."""
+    """Refuse keys that do not fit the shape of a contact."""
     shape = table.get("shape")
     for key in ("file", "pitch_mm", "unit_mm"):
         if key in table:
@@ -82,7 +91,7 @@ def _indenter(table: dict[str, Any], where: str) -> Indenter:
 
 
 def _height_map(table: dict[str, Any], names: list[str], where: str, folder: Path) -> Contact:
-    """A body as a height map: an .npy file of heights, or an .stl file, lying as it does on the cover, z up."""
+    """Return a body as a height map: an .npy file of heights, or an .stl file in its position on the cover, z up."""
     from tactile.simulator.contacts.height_map import HeightMap  # only where called for
     from tactile.simulator.contacts.heights import read_heights  # the same
 
@@ -91,7 +100,7 @@ def _height_map(table: dict[str, Any], names: list[str], where: str, folder: Pat
             raise InputError(f"{where}: {key} of a height_map; file and pitch_mm wanted{line_of(table, key)}")
     given, pitch, unit, friction, path, file, finger = read_all(
         where,
-        lambda: chosen(table, "given", GIVEN, where),
+        lambda: take_choice(table, "given", GIVEN, where, "force"),
         lambda: take_positive(table, "pitch_mm", where) * 1e-3,
         lambda: take_positive(table, "unit_mm", where, 1.0) * 1e-3,
         lambda: friction_of(table, where),
@@ -107,7 +116,7 @@ def _height_map(table: dict[str, Any], names: list[str], where: str, folder: Pat
 
 
 def read_texture(table: dict[str, Any], names: list[str], where: str, _folder: Path) -> Contact:
-    """A textured object drawn over one point of the cover.
+    """Return a textured object drawn over one point of the cover.
 
     Raises:
         InputError: an unknown key or material, a value out of range.
@@ -138,7 +147,7 @@ def _material(table: dict[str, Any], where: str) -> str:
 
 
 def read_map(table: dict[str, Any], names: list[str], where: str, folder: Path) -> Contact:
-    """A traction map from an .npy file beside the scene: (rows, cols) pressures or (rows, cols, 3) tractions [Pa].
+    """Return a traction map from an .npy file: (rows, cols) pressures or (rows, cols, 3) tractions [Pa].
 
     Raises:
         InputError: an unknown key, no such file, an array of another shape or not finite.

@@ -1,4 +1,4 @@
-"""Keys of a scene file: which there are, which are needed, and all faults in them told at once."""
+"""Keys of a scene file, known and required, and their check."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -24,36 +24,32 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
                  "stiffness_N_mm", "seed"), ("finger", "material", "stop_s", "speed_mm_s", "force_N")),
     "map": (("finger", "file", "pitch_mm", "origin_mm", "path"), ("finger", "file", "pitch_mm", "path")),
 }  # fmt: skip
-"""[[table]] -> its keys, and those of them that are needed."""
+"""[[table]] -> its known keys and its required ones."""
 
 
-def check_scene_keys(table: dict[str, Any], faults: ErrorList) -> None:
-    """Give the ``faults`` the keys that are unknown or missing in all tables of a scene."""
+def check_scene_keys(table: dict[str, Any], errors: ErrorList) -> None:
+    """Add unknown and missing keys of all tables of a scene to the ``errors``."""
     gone = [key for key in ("backend", "dtype") if key in table]
     for key in gone:
-        with faults.collecting():
+        with errors.collecting():
             raise InputError(
                 f"{key} in a scene; none wanted: fields are computed on the CPU in float64; `tactile run "
                 f"--backend` chooses where the program runs{line_of(table, key)}"
             )
-    faults.check(table, (*TOP, *gone), "", ("title", "rate_hz", "duration_s", "cover", "finger"))
-    cover = table.get("cover", {})
-    if "cover" in table:
-        flat = not isinstance(cover, Mapping) or cover.get("kind", "flat") == "flat"
-        faults.check(cover, COVER if flat else (*COVER, *BUMPS), "[cover]", ("youngs_modulus_mpa",))
+    errors.check(table, (*TOP, *gone), "", ("title", "rate_hz", "duration_s", "cover", "finger"))
+    cover = table.get("cover")
+    if isinstance(cover, Mapping):
+        flat = cover.get("kind", "flat") == "flat"
+        errors.check(cover, COVER if flat else (*COVER, *BUMPS), "[cover]", ("youngs_modulus_mpa",))
     for name, (known, needed) in TABLES.items():
         tables = table.get(name, [])
         for number, one in enumerate(tables if isinstance(tables, list) else [], 1):
-            faults.check(one, known, f"{name} {number}", needed)
-    effects = table.get("effect", {})
+            errors.check(one, known, f"{name} {number}", needed)
+    effects = table.get("effect")
     if effects:
-        _check_effects(faults, effects)
+        from tactile.simulator.effects import ORDER, effect_class  # only where called for
 
-
-def _check_effects(faults: ErrorList, effects: Any) -> None:
-    from tactile.simulator.effects import ORDER, effect_class  # only where called for
-
-    faults.check(effects, ORDER, "[effect]")
-    for name in ORDER if isinstance(effects, Mapping) else ():
-        if name in effects:
-            faults.check(effects[name], tuple(effect_class(name).KEYS), f"[effect.{name}]")
+        errors.check(effects, ORDER, "[effect]")
+        for name in ORDER if isinstance(effects, Mapping) else ():
+            if name in effects:
+                errors.check(effects[name], tuple(effect_class(name).KEYS), f"[effect.{name}]")

@@ -1,7 +1,6 @@
-"""Values that several tables of a scene file take: words, a finger's name, friction, paths of keyframes."""
+"""Readers of values in several tables of a scene file: finger names, friction, seeds, paths of keyframes."""
 
-from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -14,20 +13,8 @@ KEYFRAME = "t_s, x_mm, y_mm, Q_N, R_N, F_N"
 """Columns of a load's path."""
 
 
-def quantity_of(cover: dict[str, Any], where: str) -> Literal["strain", "stress"]:
-    """Take what the taxels under a cover measure: strain, unless it says stress.
-
-    Raises:
-        InputError: anything else.
-    """
-    quantity = take(cover, "quantity", str, where, "strain")
-    if quantity not in ("strain", "stress"):
-        raise InputError(f"{where}: quantity = {quantity!r}, 'strain' or 'stress' wanted{line_of(cover, 'quantity')}")
-    return quantity  # type: ignore[return-value]  # one of the two
-
-
 def one_finger(table: dict[str, Any], names: list[str], where: str) -> int:
-    """Take the number of the finger that a table names.
+    """Return the number of the finger that a table names.
 
     Raises:
         InputError: no finger of that name.
@@ -39,10 +26,10 @@ def one_finger(table: dict[str, Any], names: list[str], where: str) -> int:
 
 
 def keyframes(table: dict[str, Any], columns: str, where: str) -> Floats:
-    """Take a path: rows of as many numbers as ``columns`` names, the first of which is a growing time.
+    """Return a path: rows of the numbers that ``columns`` names, the first of them an increasing time.
 
     Raises:
-        InputError: no rows, a row of another length, times that do not grow.
+        InputError: no rows, a row of another length, times that do not increase.
     """
     rows = take(table, "path", list, where)
     with located(table, "path"):
@@ -57,7 +44,7 @@ def keyframes(table: dict[str, Any], columns: str, where: str) -> Floats:
 
 
 def read_load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad:
-    """Take a point load: its finger, and the path on which it goes.
+    """Return a point load that moves along a path.
 
     Raises:
         InputError: as `one_finger` and `keyframes`.
@@ -66,21 +53,8 @@ def read_load(table: dict[str, Any], names: list[str], where: str) -> MovingLoad
     return MovingLoad(finger, path * (1, 1e-3, 1e-3, 1, 1, 1))
 
 
-def chosen(table: dict[str, Any], key: str, choices: Sequence[str], where: str) -> str:
-    """Take one of some words, the first of them where the table has none.
-
-    Raises:
-        InputError: something else.
-    """
-    word = take(table, key, str, where, choices[0])
-    if word not in choices:
-        wanted = ", ".join(map(repr, choices[:-1])) + f" or {choices[-1]!r}"
-        raise InputError(f"{where}: {key} = {word!r}, {wanted} wanted{line_of(table, key)}")
-    return word
-
-
 def friction_of(table: dict[str, Any], where: str) -> float | None:
-    """Take the coefficient of friction, None where the table has none.
+    """Return the coefficient of friction, None where the table has none.
 
     Raises:
         InputError: no number from 0 up.
@@ -89,7 +63,7 @@ def friction_of(table: dict[str, Any], where: str) -> float | None:
 
 
 def take_seed(table: dict[str, Any], where: str) -> int:
-    """Take the seed of what is random, 0 where the table has none.
+    """Return the seed of random numbers, 0 where the table has none.
 
     Raises:
         InputError: no whole number from 0 up.
