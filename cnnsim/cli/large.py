@@ -14,7 +14,6 @@ from cnnsim.library.entry import LibraryEntry
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json
 from cnnsim.support.files import check_folder, make_folder
-from cnnsim.support.pictures.pixels import Levels
 from cnnsim.support.pictures.sequence import PictureSequence, Reading, size_text
 from cnnsim.support.terminal import say
 
@@ -36,10 +35,10 @@ block_option = click.option("--block", type=click.IntRange(8), help="Rows and co
 
 
 def check_engine_options(engine: str | None, store: Path | None, workers: int | None, block: int | None) -> None:
-    """Refuse choices of an engine where there is none: they would be passed over.
+    """Check that options of an engine are not given without an engine.
 
     Raises:
-        InputError: what is given.
+        InputError: so they are.
     """
     if engine is not None or store is not None:
         return
@@ -49,25 +48,28 @@ def check_engine_options(engine: str | None, store: Path | None, workers: int | 
 
 
 def run_large(
-    entry: LibraryEntry, pictures: tuple[Path, ...], where: Backend, output: Path | None, as_json: bool, binary: bool,
-    levels: Levels | None, given: dict[str, Any], beside: dict[str, Path | None], chosen: dict[str, Any],
+    entry: LibraryEntry, files: dict[str, Path | None], where: Backend, output: Path | None, as_json: bool,
+    reading: Reading, given: dict[str, Any], chosen: dict[str, Any],
 ) -> None:  # fmt: skip
-    """Run a template on one picture in supersteps, and write and tell the result as `run` does."""
+    """Run a template on one picture in supersteps, and write and report the result as `run` does.
+
+    ``files``: by the name of a plane, "picture", "state", "mask" or "bias".
+    """
     from cnnsim.supersteps.engine import Engine
     from cnnsim.supersteps.pictures import open_large, write_large
     from cnnsim.transient import run_transient
 
-    if len(pictures) != 1 or entry.frame_time is not None:
-        raise InputError(f"{len(pictures)} pictures on an engine; a template for one picture, and one, wanted")
     if output is not None and (output.is_dir() or not output.suffix):
         output /= f"{entry.name}.png"
         check_folder(output.parent)
     elif output is not None and output.suffix.lower() != ".npy":
         check_output(output, film=False)
-    planes = {name: open_large(path, binary=binary, levels=levels) for name, path in beside.items() if path is not None}
-    planes["picture"] = open_large(pictures[0], binary=binary, levels=levels)
+    planes = {
+        name: open_large(path, binary=reading.binary, levels=reading.levels)
+        for name, path in files.items() if path is not None
+    }  # fmt: skip
     shape = planes["picture"].shape
-    stand_in, second = (np.broadcast_to(-np.ones((1, 1)), shape) for _ in range(2))  # roles need no pixels: white
+    stand_in, second = (np.broadcast_to(-np.ones((1, 1)), shape) for _ in range(2))  # the roles need no pixels
     task = entry.task(stand_in, second if "state" in planes else None)
     for name, plane in task.items():
         if plane is stand_in:
@@ -94,7 +96,7 @@ def run_large(
 
 
 def sequence_of_large(paths: list[str], reading: Reading, _key: str = "") -> PictureSequence:
-    """Return large pictures, a file each, as a sequence whose planes are read in parts.
+    """Return large pictures, one per file, as a sequence whose planes are read in parts.
 
     Raises:
         InputError: as `open_large`; pictures of different sizes.
@@ -110,7 +112,7 @@ def sequence_of_large(paths: list[str], reading: Reading, _key: str = "") -> Pic
 
 
 def machine_on_engine(where: Backend, chosen: dict[str, Any], stack: ExitStack) -> "UniversalMachine":
-    """Return a machine with planes on the disk, in the store that was chosen or in one that goes with ``stack``."""
+    """Return a machine with planes on the disk, in the chosen store or in a temporary one that ``stack`` removes."""
     from cnnsim.program.machine import UniversalMachine
     from cnnsim.supersteps.engine import Engine
 
@@ -120,12 +122,12 @@ def machine_on_engine(where: Backend, chosen: dict[str, Any], stack: ExitStack) 
 
 
 def black_cells(plane: Any) -> int:
-    """Return how many cells of a plane are black, read in strips."""
+    """Return the number of black cells of a plane."""
     return sum(int((np.asarray(plane[..., r0 : r0 + STRIP, :]) > 0).sum()) for r0 in range(0, plane.shape[-2], STRIP))
 
 
 def write_result(plane: Any, path: Path) -> None:
-    """Write a plane that a program on an engine gave as a picture, in strips."""
+    """Write a stored plane as a picture."""
     from cnnsim.supersteps.pictures import write_large
 
     write_large(plane, path, follow=False)

@@ -117,9 +117,11 @@ def run(
     if engine is not None or store is not None:
         if trajectory is not None:
             raise InputError("--trajectory with --engine; without one of them wanted")
-        beside = {"state": state, "mask": mask, "bias": bias}
+        if len(pictures) != 1 or entry.frame_time is not None:
+            raise InputError(f"{len(pictures)} pictures on an engine; a template for one picture, and one, wanted")
+        files = {"picture": pictures[0], "state": state, "mask": mask, "bias": bias}
         chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
-        run_large(entry, pictures, where, output, as_json, binary, levels, given, beside, chosen)
+        run_large(entry, files, where, output, as_json, Reading(binary, levels), given, chosen)
         return
     accuracy = given.get("accuracy", entry.accuracy)
     finely = accuracy is not None and parse_accuracy(accuracy).dtype == "float64"

@@ -1,4 +1,4 @@
-"""The equation of a cellular neural network: templates, terms, tables, layers, cells and boundaries."""
+"""Equation of a cellular neural network: templates, terms, tables, layers, cells and boundaries."""
 
 from cnnsim.network.boundary import PERIODIC, ZERO_FLUX, Boundary, fixed, pad, parse_boundary
 from cnnsim.network.cell import CellModel

@@ -1,4 +1,4 @@
-"""Boundary: what the virtual cells around the grid of cells hold, and which real cells they repeat."""
+"""Boundary conditions: the values of the virtual cells around the grid."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,10 +19,10 @@ BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
 @spelled_class
 @dataclass(frozen=True)
 class Boundary:
-    """What the virtual cells around the grid hold.
+    """A boundary condition.
 
-    ``fixed``: output ``y`` and input ``u`` are constants of modulus <= 1 (the bound on the state needs that);
-    ``zero-flux``: the nearest real cell is repeated; ``periodic``: the grid is a torus.
+    ``fixed``: virtual cells have the constant output ``y`` and input ``u``, of modulus <= 1 (the bound of the state
+    needs that); ``zero-flux``: they repeat the nearest real cell; ``periodic``: the grid is a torus.
 
     Raises:
         InputError: an unknown kind, or a fixed value that is not a number in [-1, 1].
@@ -43,7 +43,7 @@ class Boundary:
 
     @property
     def constants(self) -> tuple[tuple[float, float], ...]:
-        """The (y, u) that virtual cells hold whatever the real cells do; none where they repeat real cells."""
+        """The constant (y, u) of virtual cells; empty if they repeat real cells."""
         return ((self.y, self.u),) if self.kind == "fixed" else ()
 
     def __str__(self) -> str:
@@ -53,7 +53,7 @@ class Boundary:
 
 
 def fixed(x: float, u: float | None = None) -> Boundary:
-    """Return the boundary whose virtual cells hold ``x`` as state (and so as output) and ``u`` (or ``x``) as input."""
+    """Return a fixed boundary: virtual cells have the output ``x`` and the input ``u`` (``x`` if None)."""
     return Boundary("fixed", x, x if u is None else u)
 
 
@@ -61,11 +61,11 @@ ZERO_FLUX = Boundary("zero-flux")
 PERIODIC = Boundary("periodic")
 
 BOUNDARY_FORMS = "zero-flux, periodic, fixed:v or fixed:x,u"
-"""How the command line writes a boundary."""
+"""Forms of a boundary on the command line."""
 
 
 def parse_boundary(value: Any) -> Boundary:
-    """Read a boundary as files and the command line write it.
+    """Parse a boundary of a file or the command line.
 
     ``"zero-flux"``, ``"periodic"``, ``{"fixed": v}``, ``{"fixed": {"x": v, "u": w}}``, ``"fixed:v"``, ``"fixed:v,w"``.
 
@@ -96,16 +96,16 @@ def parse_boundary(value: Any) -> Boundary:
 
 
 def boundary_value(boundary: Boundary) -> Any:
-    """Return a boundary as files write it, the reverse of `parse_boundary`."""
+    """Return the value of a boundary in a file, the reverse of `parse_boundary`."""
     if boundary.kind != "fixed":
         return boundary.kind
     return {"fixed": boundary.y if boundary.y == boundary.u else {"x": boundary.y, "u": boundary.u}}
 
 
 def virtual_index(cells: int, radius: int, boundary: Boundary) -> Integers:
-    """Return, for positions -radius .. cells + radius - 1 of one axis, the real cell each stands for (-1: a constant).
+    """Return the real cell of each position -radius .. cells + radius - 1 of an axis; -1 for a constant one.
 
-    Grids smaller than the radius are right as well: a torus wraps as often as it must.
+    The grid may be smaller than the radius.
     """
     position = np.arange(-radius, cells + radius)
     if boundary.kind == "periodic":
@@ -116,7 +116,7 @@ def virtual_index(cells: int, radius: int, boundary: Boundary) -> Integers:
 
 
 def pad(plane: Array, radius: int, boundary: Boundary, constant: float) -> Array:
-    """Return the plane(s) (..., rows, cols) with ``radius`` virtual cells all round; ``constant`` is for fixed ones."""
+    """Return planes (..., rows, cols) with ``radius`` virtual cells on each side, ``constant`` for a fixed one."""
     if boundary.kind != "fixed":
         return plane[_around(plane.shape[-2], plane.shape[-1], radius, boundary)]
     rows, cols = plane.shape[-2:]
@@ -127,10 +127,7 @@ def pad(plane: Array, radius: int, boundary: Boundary, constant: float) -> Array
 
 @lru_cache(maxsize=64)
 def _around(rows: int, cols: int, radius: int, boundary: Boundary) -> tuple[Any, ...]:
-    """Return the index of the real cells that stand for all cells of a padded plane: of each step anew it took longer.
-
-    A boundary that repeats real cells.
-    """
+    """Return the index of the real cells of a padded plane, for a boundary that repeats real cells."""
     return ..., virtual_index(rows, radius, boundary)[:, None], virtual_index(cols, radius, boundary)
 
 

@@ -1,4 +1,4 @@
-"""Characteristic: how a cell's output follows its state, y = f(x); and Cell: that together with the cell model."""
+"""Output characteristic y = f(x), and Cell: a cell model with its characteristic."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, assert_never, get_args
@@ -17,13 +17,13 @@ CharacteristicKind = Literal["clip", "sign", "tanh", "table"]
 
 @dataclass(frozen=True)
 class Characteristic:
-    """An output characteristic y = f(x), kept within [-1, 1].
+    """An output characteristic y = f(x) with values in [-1, 1].
 
     ``clip``: clip(p x, -1, 1), Chua and Yang's with slope p = 1, high gain with p > 1; ``sign``: -1, 0 or +1;
     ``tanh``: tanh(p x), the sigmoid; ``table``: a user's own `Table`.
 
     Raises:
-        InputError: an unknown kind, a slope that is not positive, a table that leaves [-1, 1] or is not there.
+        InputError: an unknown kind, a slope that is not positive, a table with values outside [-1, 1], no table.
     """
 
     kind: CharacteristicKind = "clip"
@@ -60,7 +60,7 @@ class Characteristic:
 
     @property
     def slopes(self) -> tuple[float, float]:
-        """Bounds on the slope, the lower one <= 0; jumps (sign, step tables) do not count."""
+        """Lower (<= 0) and upper bound of f'(x), without jumps (sign, step tables)."""
         if self.table is not None:
             most = max(map(abs, self.table.slopes))
             return -most, most
@@ -73,7 +73,7 @@ class Characteristic:
 
     @property
     def keeps_outputs(self) -> bool:
-        """Whether f(f(x)) = f(x), so that what is an output already stays as it is."""
+        """Whether f(f(x)) = f(x)."""
         return self.kind == "sign" or self == CLIP
 
     def __str__(self) -> str:
@@ -86,10 +86,10 @@ CLIP, SIGN, TANH = Characteristic(), Characteristic("sign"), Characteristic("tan
 @spelled_class
 @dataclass(frozen=True)
 class Cell:
-    """A cell model with its output characteristic; without one it is the model's own: sign in discrete time, else clip.
+    """A cell model with its output characteristic; the default is sign in discrete time, else clip.
 
     Raises:
-        InputError: an unknown model, or a full-range cell with another characteristic: there y = x.
+        InputError: an unknown model, or a full-range cell with a characteristic other than clip.
     """
 
     model: CellModel = "chua-yang"
@@ -113,10 +113,10 @@ CHUA_YANG = Cell()
 
 
 def parse_cell(value: Any) -> Cell:
-    """Read a cell as files and callers write it.
+    """Parse a cell of a file.
 
     ``"discrete-time"``, or ``{ model = "chua-yang", characteristic = "tanh", slope = 2 }``, where the characteristic
-    may be a table as in `parse_table`.
+    may be a table, see `parse_table`.
 
     Raises:
         InputError: anything else.
@@ -135,7 +135,7 @@ def parse_cell(value: Any) -> Cell:
 
 
 def cell_value(cell: Cell) -> Any:
-    """Return a cell as files write it, the reverse of `parse_cell`."""
+    """Return the value of a cell in a file, the reverse of `parse_cell`."""
     if cell.characteristic is None:
         return cell.model
     table, slope = cell.characteristic.table, cell.characteristic.slope

@@ -1,4 +1,4 @@
-"""Frames: an input or a bias that changes with time, plane by plane, each held until the next."""
+"""Frames: an input or a bias that is piecewise constant in time, given by a sequence of planes."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Frames(Generic[T]):
-    """Planes that follow one another: number k holds for k period <= t < (k + 1) period, the last one for ever.
+    """A sequence of planes: plane k is valid for k period <= t < (k + 1) period, the last one until the end.
 
-    Before t = 0 it is the first one. ``period`` is in time constants.
+    Before t = 0 the first one is valid. ``period`` is in time constants.
 
     Raises:
-        InputError: no plane, planes of unequal shape, or a time that is not positive.
+        InputError: no plane, planes of unequal shape, or a period that is not positive.
     """
 
     planes: tuple[T, ...]
@@ -41,7 +41,7 @@ class Frames(Generic[T]):
         _check_shapes(self.planes)
 
     def __repr__(self) -> str:
-        """The number and size of the planes, not their values."""
+        """Return the number and the size of the planes, without their values."""
         plane: Any = self.planes[0]  # an array, or a plane of a backend, which has no shape
         shape = np.shape(plane)
         size = f" of {' x '.join(map(str, shape))}" if shape else ""
@@ -49,12 +49,12 @@ class Frames(Generic[T]):
         return f"Frames({count}, a new one every {self.period:g} time constants)"
 
     def map(self, function: Callable[[T], Any]) -> "Frames[Any]":
-        """Return the same sequence of other planes."""
+        """Return the sequence of the results of a function on each plane."""
         return Frames([function(plane) for plane in self.planes], self.period)
 
 
 def _check_shapes(planes: tuple[Any, ...]) -> None:
-    """Refuse planes that no grid fits: a number stands for all cells, a plane (rows, cols) for all grids and layers."""
+    """Check that the shapes agree: a number is for all cells, a plane (rows, cols) for all grids and layers."""
     shapes = [shape_of(f"plane {number}", plane) for number, plane in enumerate(planes)]
     widest = max(range(len(shapes)), key=lambda number: len(shapes[number]))
     for number, shape in enumerate(shapes):
@@ -67,14 +67,14 @@ def _check_shapes(planes: tuple[Any, ...]) -> None:
 
 
 def at_step(value: Any, number: int, step: float) -> Any:
-    """Return the plane that holds during step ``number`` of length ``step``; what is no sequence holds always."""
+    """Return the plane in step ``number`` of length ``step``; a value that is no sequence is returned as it is."""
     if not isinstance(value, Frames):
         return value
     return value.planes[min(max(0, number) // round(value.period / step), len(value.planes) - 1)]
 
 
 def spans(steps: int, step: float, delays: Sequence[float], *inputs: Any) -> Iterator[tuple[int, int]]:
-    """Yield (first step, number of steps) of the spans in which all inputs stand still, delayed ones as well."""
+    """Yield (first step, number of steps) of the spans in which all inputs, delayed ones too, are constant."""
     edges = {0, steps}
     for value in inputs:
         if isinstance(value, Frames):

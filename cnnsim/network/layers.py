@@ -1,4 +1,4 @@
-"""LayeredTemplate: several layers of cells, one over the other, each with its own template and time constant."""
+"""LayeredTemplate: a network of several layers of cells, each with its template and time constant."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from cnnsim.support.values import is_number
 class LayeredTemplate:
     """The template of a network of layers: T_l dx_l/dt = -x_l + A_l*y_l + B_l*u_l + z_l + terms of layer l.
 
-    ``layers`` are ordinary templates, one a layer; coupling between layers is a term with ``layer`` set.
-    ``time_constants`` T_l count in time constants of the network (1 if not given). A plane of such a network is
-    (layers, rows, cols), a batch of them (n, layers, rows, cols).
+    ``layers`` has a template per layer; a term with ``layer`` set couples layers. ``time_constants`` T_l are in time
+    constants of the network (1 if not given). A plane of the network is (layers, rows, cols), a batch (n, layers, rows,
+    cols).
 
     Raises:
-        InputError: no layer, time constants that are not positive or of another number, a term that reads a
-            layer that is not there.
+        InputError: no layer, time constants that are not positive or not one per layer, a term that reads a
+            layer that does not exist.
     """
 
     layers: tuple[Template, ...]
@@ -68,12 +68,12 @@ class LayeredTemplate:
 
     @property
     def reads_input(self) -> bool:
-        """True if some layer reads its input."""
+        """Whether a layer reads its input."""
         return any(layer.reads_input for layer in self.layers)
 
     @property
     def uncoupled(self) -> bool:
-        """True if no cell is coupled to another one, of its own or of another layer."""
+        """Whether no cell is coupled to another cell of any layer."""
         return all(layer.uncoupled for layer in self.layers)
 
     @property
@@ -90,7 +90,7 @@ AnyTemplate = Template | LayeredTemplate
 
 
 def layered(template: AnyTemplate) -> LayeredTemplate:
-    """Return the template as one of layers: a plain one is a single layer.
+    """Return a template as a LayeredTemplate; a plain one becomes a single layer.
 
     Raises:
         InputError: a plain template with a term that reads another layer.
@@ -99,10 +99,10 @@ def layered(template: AnyTemplate) -> LayeredTemplate:
 
 
 def check_template(template: object) -> None:
-    """Refuse what is no template, such as the name of one.
+    """Check that an argument is a template.
 
     Raises:
-        InputError: what it is instead.
+        InputError: it is not, such as the name of a template.
     """
     if not isinstance(template, Template | LayeredTemplate):
         cure = f"; of the library: cnnsim.library.load({template!r}).template" if isinstance(template, str) else ""

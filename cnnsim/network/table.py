@@ -1,4 +1,4 @@
-"""Table: a function of one variable, piecewise constant or piecewise linear, as non-linear templates are printed."""
+"""Table: a piecewise constant or piecewise linear function of one variable, as printed with non-linear templates."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from cnnsim.support.keywords import spelled_class
 @spelled_class
 @dataclass(frozen=True)
 class Table:
-    """A function f(v), held at its ends.
+    """A function f(v), constant beyond its ends.
 
     ``linear``: straight lines between the points (at[i], values[i]). ``step``: values[i] for at[i - 1] < v <= at[i],
-    the last value above the last place, so one value more than places; with ``closed`` "left" it is values[i] for
-    at[i - 1] <= v < at[i], which is what a mirrored step needs to be right at its edges.
+    and the last value above the last place, so one value more than places; with ``closed`` "left" it is values[i] for
+    at[i - 1] <= v < at[i], as the mirror image of a step needs.
 
     Raises:
-        InputError: places that do not grow, numbers of places and values that do not fit, values that are not finite.
+        InputError: places that do not increase, a wrong number of values, values that are not finite.
     """
 
     kind: Literal["step", "linear"]
@@ -56,7 +56,7 @@ class Table:
         return np.array(self.values)[np.searchsorted(self.at, v, side="left" if self.closed == "right" else "right")]
 
     def mirrored(self) -> "Table":
-        """Return v -> f(-v), exactly: the edges of steps included."""
+        """Return v -> f(-v), exact at the edges of steps."""
         at, values = tuple(-place for place in reversed(self.at)), tuple(reversed(self.values))
         return Table(self.kind, at, values, "left" if self.closed == "right" else "right")
 
@@ -67,12 +67,12 @@ class Table:
 
     @property
     def jump(self) -> float:
-        """The largest step of a piecewise constant table; a linear one has none."""
+        """The largest jump; 0 for a linear table."""
         return float(np.abs(np.diff(self.values)).max(initial=0.0)) if self.kind == "step" else 0.0
 
     @property
     def slopes(self) -> tuple[float, float]:
-        """The smallest and the largest slope, 0 beyond the ends included; a piecewise constant table has none but 0."""
+        """The smallest and the largest slope, including 0 beyond the ends; 0 for a step table."""
         if self.kind == "step":
             return 0.0, 0.0
         rises = np.diff(self.values) / np.diff(self.at)
@@ -80,7 +80,7 @@ class Table:
 
     @property
     def product_slopes(self) -> tuple[float, float]:
-        """The smallest and the largest slope of v f(v): of a difference times a function of it."""
+        """The smallest and the largest slope of v f(v)."""
         values, edges = np.array(self.values), np.array(self.at)
         if self.kind == "step":
             return float(values.min()), float(values.max())
@@ -96,7 +96,7 @@ def steps(at: Sequence[float], values: Sequence[float]) -> Table:
 
 
 def lines(*points: tuple[float, float]) -> Table:
-    """Return the piecewise linear function through some points (v, f)."""
+    """Return the piecewise linear function through points (v, f)."""
     return Table("linear", tuple(v for v, _ in points), tuple(f for _, f in points))
 
 
@@ -116,7 +116,7 @@ def from_pairs(interpolation: int, pairs: Sequence[tuple[float, float]]) -> Tabl
 
 
 def table_value(table: Table) -> dict[str, Any]:
-    """Return a table as files write it, the reverse of `parse_table`."""
+    """Return the value of a table in a file, the reverse of `parse_table`."""
     if table.kind == "linear":
         return {"linear": [list(point) for point in zip(table.at, table.values, strict=True)]}
     step: dict[str, Any] = {"at": list(table.at), "values": list(table.values)}
@@ -124,9 +124,9 @@ def table_value(table: Table) -> dict[str, Any]:
 
 
 def parse_table(value: Any) -> Table:
-    """Read a table as files write it.
+    """Parse a table of a file.
 
-    ``{ linear = [[v, f], ...] }`` or ``{ step = { at = [...], values = [...] } }``, the latter perhaps with
+    ``{ linear = [[v, f], ...] }`` or ``{ step = { at = [...], values = [...] } }``, the latter optionally with
     ``closed = "left"``.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Template: the numbers A, B, z that weigh a cell's neighbours, and terms beyond them."""
+"""Template: the weights A, B and z of a cell's neighbourhood, and terms."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -26,12 +26,12 @@ __all__ = ["MAX_RADIUS", "Tap", "Template", "all_taps"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Template:
-    """A template: dx/dt = -x + A*y + B*u + z, plus ``terms`` if it has any.
+    """A template: dx/dt = -x + A*y + B*u + z + ``terms``.
 
     ``A`` (feedback) and ``B`` (control) are odd square matrices, up to 11 x 11, not necessarily of one size; ``z`` is
     the bias. ``*`` is a correlation: entry (k, l) weighs the neighbour at offset (k, l), the top row is the northern
     neighbours. Chua and Yang, "Cellular neural networks: theory", IEEE Trans. CAS 35 (1988) 1257. A template without
-    terms is linear and the same in every cell; what terms can be, `cnnsim.network.term` says.
+    terms is linear and the same in every cell; `cnnsim.network.term` describes terms.
 
     Raises:
         InputError: a matrix that is not square, of even side, too large, or with an entry that is not finite.
@@ -59,32 +59,32 @@ class Template:
 
     @cached_property
     def feedback_taps(self) -> tuple[Tap, ...]:
-        """The entries of A that are not zero, row by row."""
+        """The non-zero entries of A, row by row."""
         return taps_of(self.A)
 
     @cached_property
     def control_taps(self) -> tuple[Tap, ...]:
-        """The entries of B that are not zero, row by row."""
+        """The non-zero entries of B, row by row."""
         return taps_of(self.B)
 
     @cached_property
     def control_terms(self) -> tuple[Term, ...]:
-        """The terms of the present input alone: they are part of the constant drive, like B*u."""
+        """The terms of the present input alone, which are constant like B*u."""
         return tuple(term for term in self.terms if term.control)
 
     @cached_property
     def feedback_terms(self) -> tuple[Term, ...]:
-        """All other terms: they need the general time loop."""
+        """All other terms, which need the general time loop."""
         return tuple(term for term in self.terms if not term.control)
 
     @property
     def linear(self) -> bool:
-        """True if A, B and z are all, without terms."""
+        """Whether the template has no terms."""
         return not self.terms
 
     @property
     def reads_input(self) -> bool:
-        """True if B or a term reads u."""
+        """Whether B or a term reads u."""
         return bool(self.control_taps) or any("u" in term.quantities for term in self.terms)
 
     @property
@@ -95,22 +95,22 @@ class Template:
 
     @property
     def uncoupled(self) -> bool:
-        """True if nothing feeds a neighbour back: every cell is on its own once its drive from u is known."""
+        """Whether no cell depends on the output or state of another cell."""
         return all(tap.k == tap.l == 0 for tap in self.feedback_taps) and not any(t.couples for t in self.terms)
 
     @property
     def symmetric(self) -> bool:
-        """True if A(k, l) = A(-k, -l): then every transient settles (Chua and Yang 1988, theorem 3)."""
+        """Whether A(k, l) = A(-k, -l): then every transient settles (Chua and Yang 1988, theorem 3)."""
         return bool(np.array_equal(self.A, self.A[::-1, ::-1]))
 
     @property
     def isotropic(self) -> bool:
-        """True if A is the same after a quarter turn and in a mirror."""
+        """Whether A is invariant under quarter turns and transposition."""
         return np.array_equal(self.A, np.rot90(self.A)) and np.array_equal(self.A, self.A.T)
 
     @property
     def radius(self) -> int:
-        """The largest radius of A, B and the terms, zero rims left out."""
+        """The largest radius of a non-zero entry of A, B and the terms."""
         taps = (*self.feedback_taps, *self.control_taps)
         return max(reach((tap.k, tap.l) for tap in taps), *(term.radius for term in self.terms), 0)
 
@@ -120,7 +120,7 @@ class Template:
 
     @property
     def terms_words(self) -> str:
-        """How many terms it has, to be said after the matrices; nothing if it has none."""
+        """ ", 2 terms" for texts about the template; empty without terms."""
         count = len(self.terms)
         return f", {count} term{'s' * (count != 1)}" if count else ""
 
@@ -137,9 +137,9 @@ class Template:
         return plot.to_png(lambda axes: plot.template(self, axes), (6.0, 3.2))
 
     def state_bound(self, bias: float = 0.0) -> float:
-        """Return |z| + |bias| + sum|A| + sum|B| + bounds of the terms: |x| stays within it if |x(0)| does, |u| <= 1.
+        """Return |z| + |bias| + sum|A| + sum|B| + bounds of the terms: it bounds |x| if it bounds |x(0)|, |u| <= 1.
 
-        Chua and Yang 1988, theorem 1. Terms count with their largest value for |x| <= 1.
+        Chua and Yang 1988, theorem 1. Terms are bounded for |x| <= 1.
         """
         linear = float(np.abs(self.A).sum() + np.abs(self.B).sum())
         return abs(self.z) + abs(bias) + linear + sum(term.bound for term in self.terms)

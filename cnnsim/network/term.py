@@ -1,4 +1,4 @@
-"""Term: what a template says beyond A*y + B*u + z: non-linear, delayed, space-variant, or from another layer.
+"""Term: a non-linear, delayed, space-variant or inter-layer part of a cell's equation, beyond A*y + B*u + z.
 
 **One sign convention**: a difference is the neighbour minus the centre, kl minus ij. Readers of other systems' files
 (`cnnsim.formats`) turn those that are the other way round.
@@ -23,7 +23,7 @@ Range = tuple[float, float]
 
 
 class Argument(NamedTuple):
-    """What a function is applied to: a neighbour's value, or that minus a value of the cell itself."""
+    """Argument of a function: a neighbour's value, or its difference to a value of the cell itself."""
 
     neighbour: Quantity
     centre: Quantity | None = None
@@ -33,7 +33,7 @@ class Argument(NamedTuple):
 
     @property
     def quantities(self) -> set[str]:
-        """What is read: some of x, y, u."""
+        """The quantities that are read, of x, y, u."""
         return {self.neighbour, self.centre} - {None}  # type: ignore[return-value]  # None is taken out
 
 
@@ -41,7 +41,7 @@ _ARGUMENTS = {str(Argument(n, c)): Argument(n, c) for n, c in product(("y", "u",
 
 
 def parse_argument(text: "str | Argument") -> Argument:
-    """Read ``"y_kl"`` or ``"u_kl - x_ij"``: kl is the neighbour, ij the cell itself.
+    """Parse ``"y_kl"`` or ``"u_kl - x_ij"``: kl is the neighbour, ij the cell itself.
 
     Raises:
         InputError: anything else.
@@ -58,10 +58,10 @@ def parse_argument(text: "str | Argument") -> Argument:
 class Term:
     """A sum over the neighbourhood that is added to the drive of a cell: sum of w(k, l) f(v) m.
 
-    v is the argument ``of``, f the ``table`` (None: f(v) = v), m the argument ``times`` (None: 1). With ``delay`` all
-    that is read is read so many time constants ago; before t = 0 the state is x(0) and the input is the first one.
-    With ``layer`` the neighbour's value is that of another layer (counted from 0); u and y of the centre, and x, are
-    the cell's own. ``weights`` (side, side) is like A; (side, side, rows, cols) has a plane for each tap.
+    v is the argument ``of``, f the ``table`` (None: f(v) = v), m the argument ``times`` (None: 1). ``delay`` [time
+    constants] is the time lag of all values; before t = 0 the state is x(0) and the input its first frame. With
+    ``layer`` (counted from 0) the neighbour's value is that of another layer; values of the centre are the cell's own.
+    ``weights`` (side, side) is like A; (side, side, rows, cols) has a plane for each entry.
 
     Raises:
         InputError: weights that are no odd square, an unknown argument, a delay that is negative.
@@ -106,7 +106,7 @@ class Term:
 
     @cached_property
     def taps(self) -> tuple[tuple[int, int, Any], ...]:
-        """(k, l, weight) of the entries that are not zero, row by row; the weight is a number or a plane."""
+        """(k, l, weight) of the non-zero entries, row by row; the weight is a number or a plane."""
         r, weights = self.weights.shape[0] // 2, self.weights
         return tuple(
             (k - r, l - r, weights[k, l] if weights.ndim == 4 else float(weights[k, l]))
@@ -116,28 +116,28 @@ class Term:
 
     @property
     def radius(self) -> int:
-        """How far its farthest tap reaches."""
+        """The largest offset of a tap."""
         return reach((k, l) for k, l, _ in self.taps)
 
     @property
     def quantities(self) -> set[str]:
-        """What the term reads: some of x, y, u."""
+        """The quantities that the term reads, of x, y, u."""
         return self.of.quantities | (set() if self.times is None else self.times.quantities)
 
     @property
     def control(self) -> bool:
-        """True if the term reads nothing but the input, now, of the cell's own layer: known before the time loop."""
+        """Whether the term reads the present input of the cell's own layer alone, so that it is constant in time."""
         return self.quantities == {"u"} and not self.delay and self.layer is None
 
     @property
     def couples(self) -> bool:
-        """True if the term brings the state of a neighbour (or of another layer) to a cell."""
+        """Whether the term reads the state or output of a neighbour or of another layer."""
         neighbours = {self.of.neighbour, *(() if self.times is None else (self.times.neighbour,))}
         return neighbours != {"u"} and (self.layer is not None or any((k, l) != (0, 0) for k, l, _ in self.taps))
 
     @property
     def bound(self) -> float:
-        """The most that the term adds to a drive, for |u|, |y|, |x| <= 1."""
+        """Upper bound of the term's modulus for |u|, |y|, |x| <= 1."""
         size = (1.0 if self.of.centre is None else 2.0) if self.table is None else self.table.bound
         factor = 1.0 if self.times is None or self.times.centre is None else 2.0
         return size * factor * float(np.abs(self.weights).sum(axis=(0, 1)).max())
@@ -156,6 +156,6 @@ class Term:
 
     @property
     def jump(self) -> float:
-        """The largest jump of the drive where one neighbour's argument crosses an edge of a step."""
+        """The largest jump of the drive when one neighbour's argument crosses an edge of a step."""
         factor = 1.0 if self.times is None else 2.0
         return 0.0 if self.table is None else factor * self.table.jump * float(np.abs(self.weights).max())

@@ -1,4 +1,4 @@
-"""Weights of a neighbourhood: odd square matrices, their entries as taps, and the checks that all templates share."""
+"""Weights of a neighbourhood: odd square matrices, their checks, and their non-zero entries (taps)."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -15,7 +15,7 @@ MAX_RADIUS = 5
 
 
 class Tap(NamedTuple):
-    """One entry of a template that is not zero: the neighbour at (row + k, col + l) counts ``weight`` times."""
+    """A non-zero entry of a template: the ``weight`` of the neighbour at (row + k, col + l)."""
 
     k: int
     l: int
@@ -25,7 +25,7 @@ class Tap(NamedTuple):
 def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool = False) -> Floats:
     """Return entries as a read-only odd square matrix (side, side); a number is a 1 x 1 matrix.
 
-    With ``varying`` the matrix may be (side, side, rows, cols): each entry a plane, a weight of its own in every cell.
+    With ``varying`` the matrix may be (side, side, rows, cols), with a weight for every cell.
 
     Raises:
         InputError: not square, of even side, larger than 11 x 11, or an entry that is not finite.
@@ -53,7 +53,7 @@ def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool
 
 
 def _ragged(entries: object) -> str:
-    """Return which row is longer or shorter than the first; nothing where rows are not what is wrong."""
+    """Return a text about the first row of another length than row 1; empty if there is none."""
     if not isinstance(entries, list | tuple) or not all(isinstance(row, list | tuple) for row in entries):
         return ""
     others = [number for number, row in enumerate(entries, start=1) if len(row) != len(entries[0])]
@@ -75,23 +75,23 @@ def checked_number(owner: str, which: str, value: object) -> float:
 
 
 def all_taps(matrix: Floats) -> tuple[Tap, ...]:
-    """Return every entry of a template matrix as a tap, row by row, zeros included."""
+    """Return all entries of a matrix as taps, row by row, including zeros."""
     r = matrix.shape[0] // 2
     return tuple(Tap(int(k) - r, int(l) - r, float(matrix[k, l])) for k, l in np.ndindex(matrix.shape))
 
 
 def taps_of(matrix: Floats) -> tuple[Tap, ...]:
-    """Return the entries that are not zero, row by row."""
+    """Return the non-zero entries, row by row."""
     return tuple(tap for tap in all_taps(matrix) if tap.weight)
 
 
 def reach(offsets: Iterable[tuple[int, int]]) -> int:
-    """Return how far the farthest of some offsets (k, l) lies, in rows or columns."""
+    """Return the largest |k| or |l| of some offsets (k, l)."""
     return max((max(abs(k), abs(l)) for k, l in offsets), default=0)
 
 
 def matrix_text(matrix: Floats) -> str:
-    """Return a matrix on one line, row by row; of one that is all zeros, or larger than 5 x 5, what it is."""
+    """Return a matrix on one line; a short text for zeros and for matrices larger than 5 x 5."""
     if not matrix.any():
         return "0"
     if len(matrix) > 5:
