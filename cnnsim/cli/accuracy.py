@@ -1,4 +1,4 @@
-"""The command `accuracy`: what accuracy costs, for one template on one picture."""
+"""The command `accuracy`: time and error of schemes and steps, for one template on one picture."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -44,8 +44,7 @@ def accuracy(
 
     Template NAME is run on PICTURE with each, and compared with the exact transient.
 
-    Without a picture a random one of 16 x 16 is taken; of a larger one its middle, 24 x 24, because the exact answer
-    goes from kink to kink.
+    Without a picture a random one of 16 x 16 is used; of a larger one its middle, 24 x 24.
     """
     from cnnsim.prototyping.accuracy.work_precision import measured, reference_state, settings
 
@@ -83,16 +82,16 @@ def accuracy(
 
 
 def table(rows: list["Row"]) -> list[str]:
-    """Return the lines of a table of the cheapest settings, which fits a terminal of 80 columns."""
+    """Return the lines of a table of the cheapest settings for 80 columns."""
     lines = _cheapest(rows)
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     return ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
 
 
 def _cheapest(rows: list["Row"]) -> list[tuple[str, ...]]:
-    """Return a table of the cheapest setting for each accuracy from 1e-1 to 1e-8, its head first.
+    """Return the rows of a table of the cheapest setting for each accuracy from 1e-1 to 1e-8, head first.
 
-    Columns: how often A*y is taken, the best wall time, that in times of the first, the share of right signs.
+    Columns: evaluations of A*y, wall time, its ratio to the first row, share of correct signs.
     """
     lines: list[tuple[str, ...]] = [("error", "cheapest setting", "A*y", "time", "times", "signs")]
     first = None

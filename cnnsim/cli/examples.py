@@ -1,4 +1,4 @@
-"""The command `examples`, of both command lines: example scripts, scenes, pictures and pages written into a folder."""
+"""The command `examples` of both command lines: writes example scripts, scenes, pictures and pages into a folder."""
 
 from pathlib import Path
 
@@ -17,10 +17,10 @@ _SKIPPED = {"__pycache__"}
 
 
 def sources() -> dict[str, Path]:
-    """Return what is written, by its path in the folder: from the checkout, or as the wheel carries it.
+    """Return the source of each file by its path in the folder, from the checkout or the installed wheel.
 
     Raises:
-        InputError: neither is here.
+        InputError: the examples are missing.
     """
     root = _CHECKOUT if (_CHECKOUT / "examples").is_dir() else _PACKAGE / "shared"
     if not (root / "examples").is_dir():

@@ -1,4 +1,4 @@
-"""The command `list`: the templates of the library, or its programs; files that are wrong with their error."""
+"""The command `list`: templates or programs of the library, and invalid files with their errors."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from cnnsim.support.terminal import say_table
 def list_(tag: str | None, programs: bool, as_json: bool) -> None:
     """List the templates of the library, or its programs.
 
-    A file that is wrong does not stop the others: it is listed as broken, with its error.
+    An invalid file is listed as BROKEN with its error.
     """
     if programs:
         if tag is not None:

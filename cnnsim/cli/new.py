@@ -1,4 +1,4 @@
-"""The command `new`: a commented file of a template or a program that runs as it is."""
+"""The command `new`: writes a commented, valid file of a template or a program."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from cnnsim.support.files import write_text
 from cnnsim.support.terminal import echo
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
-"""What a template or a program may be called."""
+"""Valid names of templates and programs."""
 
 
 @click.command(

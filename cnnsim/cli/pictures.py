@@ -1,4 +1,4 @@
-"""Pictures of the commands: options that say how they are read; results as a file, as numbered files, as a film."""
+"""Pictures of the commands: options of reading; results written as a file, numbered files or a film."""
 
 from collections.abc import Sequence
 from glob import escape
@@ -19,7 +19,7 @@ from cnnsim.support.pictures.read import read_pictures
 from cnnsim.support.pictures.sequence import Reading
 
 FRAME_RATE = 10.0
-"""Pictures a second of a film of results, where the pictures that came in do not say it."""
+"""Pictures a second of a film of results, if the input has no rate."""
 
 picture_argument = click.argument(
     "pictures", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="PICTURE..."
@@ -49,7 +49,7 @@ def parse_levels(text: str | None) -> tuple[float, float] | None:
 def read_for(entry: LibraryEntry, paths: Sequence[Path], reading: Reading, *, batch: bool) -> Array:
     """Return the picture (rows, cols) for a template, or the sequence (n, rows, cols) if it takes one.
 
-    With ``batch`` a template for one picture takes several as well: n grids that know nothing of each other.
+    With ``batch`` a template for one picture takes several as well, as independent grids.
 
     Raises:
         InputError: several pictures for a template that takes one; pictures of different sizes.
@@ -63,10 +63,10 @@ def read_for(entry: LibraryEntry, paths: Sequence[Path], reading: Reading, *, ba
 
 
 def read_beside(path: Path | None, what: str, pictures: Array, reading: Reading) -> Array | None:
-    """Return a second picture, for all of a batch or one for each of it.
+    """Return a second picture, or one for each picture of a batch.
 
     Raises:
-        InputError: another number of them, or as `read_pictures`.
+        InputError: another number of pictures, or as `read_pictures`.
     """
     if path is None:
         return None
@@ -80,10 +80,10 @@ def read_beside(path: Path | None, what: str, pictures: Array, reading: Reading)
 
 
 def check_output(path: Path | None, *, film: bool) -> None:
-    """Refuse before the run what `write_planes` could not write after it; None is nothing.
+    """Check before the run that `write_planes` can write a path; None is skipped.
 
     Raises:
-        InputError: no folder, or an ending that no picture (or no ``film``) has.
+        InputError: no folder, or an ending of no picture (and no ``film``).
     """
     if path is None:
         return
@@ -98,7 +98,7 @@ def check_output(path: Path | None, *, film: bool) -> None:
 
 
 def check_film(path: Path | None) -> None:
-    """Refuse before the run a film that could not be written after it; None is nothing.
+    """Check before the run that a film can be written; None is skipped.
 
     Raises:
         InputError: no folder, an ending of no film, a video without PyAV.
@@ -113,7 +113,7 @@ def check_film(path: Path | None) -> None:
 
 
 def check_plot(path: Path | None) -> None:
-    """Refuse before the run a plot that could not be written after it; None is nothing.
+    """Check before the run that a plot can be written; None is skipped.
 
     Raises:
         InputError: no folder, or an ending that matplotlib does not write.
@@ -129,9 +129,9 @@ def check_plot(path: Path | None) -> None:
 
 
 def write_planes(y: Array, path: Path, *, film: bool, name: str = "") -> list[Path]:
-    """Write a picture, or several: each its own, numbered; ``film`` says that they follow one another.
+    """Write a picture, or several as numbered files, or as one film if ``film`` and the path allow it.
 
-    A path that is a folder, or has no ending, is the folder in which they go, as PNG under that ``name``.
+    A path that is a folder, or has no ending, is the folder for PNG files with that ``name``.
     """
     if path.is_dir() or not path.suffix:
         make_folder(path)
@@ -151,9 +151,9 @@ def write_planes(y: Array, path: Path, *, film: bool, name: str = "") -> list[Pa
 
 
 def arrow(paths: Sequence[Any]) -> str:
-    """Return where something was written, as lines of the commands end: the first and the last of many files.
+    """Return " -> PATH", or " -> FIRST to LAST", the end of the lines that commands print.
 
-    What is numbered beyond them is of an earlier run, and is told.
+    Files with higher numbers are of an earlier run, and are listed.
     """
     if not paths:
         return ""
@@ -172,10 +172,10 @@ def _numbered_beyond(last: Path) -> list[Path]:
 
 
 def as_map(values: Array, what: str, pictures: Array) -> Any:
-    """Check a map (mask, bias) against the pictures it lies over.
+    """Return a map (mask, bias) for pictures.
 
     Raises:
-        InputError: both sizes.
+        InputError: another shape than that of the pictures.
     """
     if values.shape[-2:] != pictures.shape[-2:]:
         raise InputError(f"{what} has shape {values.shape}, the picture {pictures.shape}; one shape wanted")

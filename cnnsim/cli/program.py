@@ -31,7 +31,7 @@ from cnnsim.support.pictures.sequence import PictureSequence, Reading
 from cnnsim.support.terminal import say
 
 _SHOWN = 10
-"""Steps of which each number is printed; of more, the least and the most."""
+"""Up to this number of steps every result is printed; above it, minimum and maximum."""
 
 
 @click.command(
@@ -74,8 +74,8 @@ def program(
 
     FILE is a TOML file, or the name of a program of the library.
 
-    On sequences it runs once for each picture, in order, and what it keeps goes on from step to step. Of several
-    inputs all have as many pictures. With --engine planes lie on the disk, and its results stay in the store as Zarr
+    On sequences it runs once for each picture, in order, and keeps the planes under `keep` in between. All inputs have
+    the same number of pictures. With --engine planes lie on the disk, and its results stay in the store as Zarr
     arrays (outputs/NAME); what was stopped goes on when the same command is given again.
     """
     from cnnsim.program.file import load_program
@@ -149,7 +149,7 @@ def _sequences(
 
 
 def _steps(inputs: dict[str, PictureSequence], stills: set[str]) -> int | None:
-    """Return how many steps there are, None if that is not known before the end of a video."""
+    """Return the number of steps, None if it is not known before the end of a video."""
     for key in stills:
         if (count := inputs[key].count()) != 1:
             raise InputError(f"--still {key}: {count} pictures; a single one wanted")
@@ -166,7 +166,7 @@ def _steps(inputs: dict[str, PictureSequence], stills: set[str]) -> int | None:
 
 
 def _pictures(inputs: dict[str, PictureSequence], steps: int | None) -> Iterator[dict[str, Array]]:
-    """Yield what the inputs are in each step; a still one stays what it is."""
+    """Yield the inputs of each step; a still picture is the same in all."""
     going = {key: sequence.pictures() for key, sequence in inputs.items()}
     held: dict[str, Array] = {}
     number = 0

@@ -1,4 +1,4 @@
-"""The command `robust`: how precise a chip must be for a template."""
+"""The command `robust`: error rate of a template with imprecise entries, few bits and noise."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The command `run`: a template run on a picture, on a batch of them, or on a sequence."""
+"""The command `run`: runs a template on a picture, a batch or a sequence."""
 
 from pathlib import Path
 from typing import Any, get_args

@@ -1,4 +1,4 @@
-"""The command `show`: a template's numbers, its source and a worked example as text; a program's steps."""
+"""The command `show`: numbers, source and a worked example of a template; steps of a program."""
 
 from shutil import get_terminal_size
 
@@ -78,7 +78,7 @@ def _show_program(program: Program, as_json: bool) -> None:
 
 
 def _facts(entry: LibraryEntry) -> dict[str, object]:
-    """The lines below the numbers; what a template does not have has no line."""
+    """Return titles and values of the lines below the numbers."""
     settled = entry.duration == "settled"
     lines = {
         "input u": entry.input,
@@ -118,7 +118,7 @@ def _numbers(template: Template) -> str:
 
 
 def _drawn(example: Example) -> str:
-    """An example's planes side by side; the layers or frames of one stand below each other."""
+    """Return the planes of an example side by side; layers or frames are below each other."""
     blocks = {}
     for name in ("input", "state", "mask", "output"):
         plane = getattr(example, name)
@@ -136,7 +136,7 @@ def _matrix(matrix: Floats) -> list[str]:
 
 
 def _beside(blocks: dict[str, list[str]]) -> str:
-    """Set blocks of lines side by side, each under its title; below each other where the terminal is too narrow."""
+    """Return blocks of lines with titles side by side, or below each other on a narrow terminal."""
     wide = sum(max(len(title), *map(len, block)) + 3 for title, block in blocks.items()) - 3
     if len(blocks) > 1 and wide > get_terminal_size().columns:
         return "\n".join(_beside({title: block}) for title, block in blocks.items())

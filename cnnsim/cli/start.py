@@ -1,4 +1,4 @@
-"""Where the command line `cnnsim` begins: all else is imported when Ctrl-C is answered."""
+"""Entry point of the command line `cnnsim`; everything else is imported after Ctrl-C is handled."""
 
 from cnnsim.start import start
 

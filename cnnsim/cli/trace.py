@@ -1,4 +1,4 @@
-"""The command `trace`: the transient of a template recorded and drawn, cell by cell."""
+"""The command `trace`: plots the transient of a template cell by cell."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The library: templates as data, one TOML file a template, and how one is found, loaded and run."""
+"""Template library: TOML files of templates, found by name, loaded and run."""
 
 from cnnsim.library.catalogue import load, names, run, run_example
 from cnnsim.library.folders import add, folder, using

@@ -1,4 +1,4 @@
-"""Catalogue of the library: finds a template by its name, and runs it as its file says."""
+"""Catalogue of the library: templates by name, and runs of them as their files specify."""
 
 from functools import cache
 from pathlib import Path
@@ -25,15 +25,14 @@ def run(
     dtype: Dtype | None = None, threads: int | None = None, record: Record | None = None,
     **changes: Unpack[TaskOptions],
 ) -> Result:  # fmt: skip
-    """Run a library template on a picture (rows, cols) of CNN values as its file says.
+    """Run a library template on a picture (rows, cols) of CNN values as its file specifies.
 
-    ``state`` is the second picture of templates that take one. ``changes`` replace what the file says: boundary,
+    ``state`` is the second picture of templates that take one. ``changes`` replace values of the file: boundary,
     duration, cell, scheme, step, accuracy, limit, bias, mask, as in `run_transient`; so are ``backend``, ``dtype``,
-    ``threads`` and ``record``: times [time constants], or cells (row, column), whose states the result has as its
-    ``trajectory``.
+    ``threads``. ``record``: times [time constants] or cells (row, column) of which the result has a ``trajectory``.
 
     Raises:
-        InputError: no such template, a picture that is none, a missing second one; as `run_transient`.
+        InputError: no such template, no picture, a missing second picture; as `run_transient`.
         NotSettledError: as `run_transient`.
     """
     entry = load(entry) if isinstance(entry, str) else entry
@@ -59,7 +58,7 @@ def names(tag: str | None = None) -> list[str]:
 
 
 def sound() -> tuple[list[LibraryEntry], dict[Path, InputError]]:
-    """Return all templates whose files are right, in alphabetical order, and what is wrong with the other files."""
+    """Return all valid templates in alphabetical order, and the errors of the other files."""
     entries, broken = [], {}
     for path in files().values():
         try:
@@ -70,7 +69,7 @@ def sound() -> tuple[list[LibraryEntry], dict[Path, InputError]]:
 
 
 def load(name: str) -> LibraryEntry:
-    """Return the library template called ``name``, from the last folder that has it; or that of a file, `x.toml`.
+    """Return the library template ``name`` from the last folder that has it, or the template of a file `x.toml`.
 
     Raises:
         InputError: there is none (the message has the nearest names), or its file is wrong.
@@ -84,19 +83,19 @@ def load(name: str) -> LibraryEntry:
 
 
 def has_template(name: str) -> bool:
-    """Return whether a template has the name, or goes by it as well."""
+    """Return whether a template has the name or the alias."""
     return name in files() or _by_alias(name) is not None
 
 
 def _load(path: Path) -> LibraryEntry:
     try:
         return _load_once(path, path.stat().st_mtime_ns)
-    except OSError:  # a link that leads nowhere, a folder that is shut: the reader says what it is
+    except OSError:  # a broken link, a closed folder: the reader reports it
         return load_file(path)
 
 
 def _by_alias(alias: str) -> Path | None:
-    """Return the file of the template that goes by another name as well, in capitals or not."""
+    """Return the file of the template with an alias, in any case of letters."""
     named = (entry.file for entry in sound()[0] if alias.lower() in map(str.lower, entry.aliases))
     return next(named, None)
 

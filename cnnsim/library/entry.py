@@ -1,4 +1,4 @@
-"""Library entry: a template with all that is needed to use it as meant, and its worked examples."""
+"""Library entry: a template with its inputs, boundary, running time and worked examples."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ Role = Literal["picture", "given", "none", "any"] | float
 
 @dataclass(frozen=True)
 class Example:
-    """Planes in and the output that must come out (to ``tolerance``; None: a binary output, compared by sign)."""
+    """A worked example: planes and their output, exact to ``tolerance`` (None: a binary output, compared by sign)."""
 
     input: Floats | None
     state: Floats | None
@@ -41,7 +41,7 @@ class Example:
                 object.__setattr__(self, name, plane)
 
     def holds(self, y: Array) -> bool:
-        """Return whether an output is the one that was worked out: right sign and |y| > 0.99, or within tolerance."""
+        """Return whether an output agrees with the example: same sign and |y| > 0.99, or within the tolerance."""
         if self.tolerance is not None:
             return bool(np.abs(y - self.output).max() <= self.tolerance)
         return bool(np.all(y * self.output > 0.99))
@@ -49,12 +49,12 @@ class Example:
 
 @dataclass(frozen=True, repr=False)
 class LibraryEntry:
-    """A template with all that is needed to use it as meant: roles of the pictures, boundary, running time, examples.
+    """A template of the library with the roles of pictures, boundary, running time and examples.
 
     ``input`` (u): "picture", a constant, or "none". ``initial_state`` (x(0)): "picture" (the same one), "given" (a
-    second one), a constant, or "any" (0 is used); for a ``network`` of layers it may be one of these a layer. With
+    second one), a constant, or "any" (0 is used); for a ``network`` of layers it may be one per layer. With
     ``frame_time`` [time constants] the picture is a sequence (frames, rows, cols), x(0) its first frame. ``cell`` and
-    ``step`` belong to the template where it works with no other; ``accuracy`` is what it is run to instead of a step.
+    ``step`` are set if the template works with no other; ``accuracy`` replaces a step.
     """
 
     name: str
@@ -88,25 +88,22 @@ class LibraryEntry:
 
     @property
     def shipped(self) -> bool:
-        """True if the file is one of ours, not of a user's own library."""
+        """Whether the file is in the shipped library."""
         return self.file is not None and self.file.parent == folder()
 
     @property
     def template(self) -> Template:
-        """The template of a single layer.
+        """The template of a network of one layer.
 
         Raises:
-            InputError: this one has several.
+            InputError: the network has several layers.
         """
         if isinstance(self.network, LayeredTemplate):
             raise InputError(f"template {self.name!r} has {len(self.network.layers)} layers; a single layer wanted")
         return self.network
 
     def running_time(self, shape: tuple[int, int], *, step: float | None = None, has_mask: bool = False) -> RunningTime:
-        """Return `guaranteed_time` on a grid (rows, cols), for the file's own step unless another is given.
-
-        ``has_mask`` says that there is a mask.
-        """
+        """Return `guaranteed_time` on a grid (rows, cols), with the step of the file if none is given."""
         if not isinstance(self.network, Template) or isinstance(self.initial_state, tuple):
             return RunningTime(None, "it has several layers")
         if self.cell.model == "discrete-time" or self.cell.characteristic is not None:
@@ -117,48 +114,42 @@ class LibraryEntry:
         )  # fmt: skip
 
     def limit(self, shape: tuple[int, int], *, has_mask: bool = False) -> float:
-        """Return how long to wait for rest on a grid: as usual, or the guaranteed time if that is longer.
-
-        One time constant is added to it, as rest is checked once in each.
-        """
+        """Return the limit of a run until it settles: the usual one, or the guaranteed time + 1 if that is longer."""
         known, usual = self.running_time(shape, has_mask=has_mask).time, usual_limit(shape)
         return usual if known is None else max(usual, known + 1.0)
 
     def task(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
-        """Return what `run_transient` takes for a picture (and a second one): planes, boundary, time, cell, step."""
+        """Return the arguments of `run_transient` for a picture and a second one."""
         planes = self.planes(picture, state)
         return planes | self.rules(planes["state"].shape[-2:], len(np.asarray(picture)))
 
     def rules(self, grid: tuple[int, int], frames: int, *, limit: float | None = None) -> dict[str, Any]:
-        """Return what `run_transient` takes besides planes, on a grid (rows, cols), for a sequence of so many frames.
+        """Return the arguments of `run_transient` besides planes: boundary, time, cell and step.
 
-        That is boundary, time, cell and step. ``limit``: how long to wait for rest, None for what is long enough.
+        Arguments: ``grid`` (rows, cols); ``frames`` of a sequence; ``limit`` of the time, None for `limit`.
         """
         rules: dict[str, Any] = {"boundary": self.boundary, "duration": self.duration, "cell": self.cell}
         if self.duration == "settled":
             rules["limit"] = self.limit(grid) if limit is None else limit
-        elif self.frame_time:  # a longer sequence than that of the file is seen to its end
+        elif self.frame_time:  # a longer sequence is run to its end
             rules["duration"] = max(self.duration, self.frame_time * frames)
         own = {"step": self.step, "accuracy": self.accuracy}
         return rules | {key: value for key, value in own.items() if value is not None}
 
     @staticmethod
     def changed(task: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a task with changes: an accuracy takes the place of the file's step, a scheme or step of its accuracy.
-
-        Arguments: ``task`` as from `task`, ``changes`` as in `run_transient`.
-        """
+        """Return arguments with ``changes``; an accuracy replaces a step, a scheme or a step replaces an accuracy."""
         dropped = {"step", "scheme"} if changes.get("accuracy") is not None else set()
         dropped |= {"accuracy"} if changes.get("scheme") is not None or changes.get("step") is not None else set()
         return {**{key: value for key, value in task.items() if key not in dropped}, **changes}
 
     def _black_and_white(self) -> bool:
-        """Whether it takes pictures in black and white alone: so tagged, and so in all its worked examples."""
+        """Whether the template is for black and white pictures only, by its tags and worked examples."""
         pictures = [plane for one in self.examples for plane in (one.input, one.state) if plane is not None]
         return "binary" in self.tags and all((np.abs(plane) == 1).all() for plane in pictures)
 
-    def _tell_of_zeros(self, picture: Array, state: Array | None) -> None:
-        """Tell of floats 0 for white where black and white is taken; as an initial state all 0 has a meaning."""
+    def _warn_of_zeros(self, picture: Array, state: Array | None) -> None:
+        """Warn of floats 0 and 1 for a black and white template; a state of zeros is valid."""
         given = [("picture", picture)] + ([("state", state)] if state is not None and state.any() else [])
         for name, plane in given:
             if has_zeros_for_white(plane) and self._black_and_white():
@@ -167,15 +158,15 @@ class LibraryEntry:
                 Notices.say(f"{said}: values > 0 is black and white")
 
     def planes(self, picture: ArrayLike, state: ArrayLike | None = None) -> dict[str, Any]:
-        """Return the planes ``input`` and ``state`` that the picture (and the second one) stand for.
+        """Return the planes ``input`` and ``state`` for a picture and a second one.
 
-        A picture beyond [-1, 1] is warned of: the field's theory, and its templates' margins, end there.
+        A picture outside of [-1, 1] gives a warning: the margins of templates are not valid there.
 
         Raises:
-            InputError: a second picture is missing, or there is no use for it; whole numbers as of grey levels.
+            InputError: a second picture is missing or not used; whole numbers that look like grey levels.
         """
         picture, state = as_picture("picture", picture), None if state is None else as_picture("state", state)
-        self._tell_of_zeros(picture, state)
+        self._warn_of_zeros(picture, state)
         if picture.ndim < 2:
             raise InputError(f"picture has shape {picture.shape}; (rows, cols) with at least one cell wanted")
         roles = self.initial_state if isinstance(self.initial_state, tuple) else (self.initial_state,)
@@ -200,7 +191,7 @@ class LibraryEntry:
             planes: dict[str, Any] = {"state": x if x.shape == shape else np.broadcast_to(x, shape)}
         else:
             starts = [np.broadcast_to(start(role), shape[-2:]) for role in roles]
-            if all(x.strides == (0, 0) for x in starts):  # constants of layers need no planes
+            if all(x.strides == (0, 0) for x in starts):  # constant layers need no planes
                 planes = {"state": np.broadcast_to(np.array([x[:1, :1] for x in starts]), (len(starts), *shape[-2:]))}
             else:
                 planes = {"state": np.array(starts)}

@@ -1,4 +1,4 @@
-"""Explanation: how a template would be computed on a grid, and how long it takes by theory; nothing is computed."""
+"""Explanation of a template on a grid: plan, memory and guaranteed running time, without computing."""
 
 from dataclasses import dataclass
 from typing import Unpack
@@ -27,8 +27,8 @@ COUNTED = ("cpu", "opencl")
 class Explanation:
     """A ``plan`` with its decisions, and the ``guaranteed`` running time; ``str`` has a line for each.
 
-    ``cell_bytes`` of memory a cell are for float32 on the ``backend``, what is given and the result included, for so
-    many ``cells``, of all layers; ``grey`` is whether the run begins from a state that is not black and white.
+    ``cell_bytes``: memory per cell in float32 on the ``backend``, including arguments and result; ``cells`` of all
+    layers; ``grey``: whether the initial state is not black and white.
     """
 
     plan: Plan
@@ -40,7 +40,7 @@ class Explanation:
 
     @property
     def memory(self) -> str:
-        """What a run takes, in words; where it is more than is free, that as well."""
+        """The memory of a run as a text; with the free memory if that is less."""
         size, free = self.cell_bytes * self.cells, free_memory()
         words = f"{self.cell_bytes:.3g} bytes a cell in float32 on {self.backend}, "
         words += f"pictures and result included: {in_words(size)}"
@@ -52,7 +52,7 @@ class Explanation:
 
     @property
     def growth(self) -> str:
-        """What Euler's steps lose of patterns that grow from a grey state, in words; empty where that is little."""
+        """The error of Euler's steps for patterns that grow from a grey state, as a text; empty if it is small."""
         plan = self.plan
         if not self.grey or plan.method != "stepped" or plan.template.uncoupled or plan.scheme != EULER:
             return ""
@@ -64,7 +64,7 @@ class Explanation:
 
     @property
     def lines(self) -> list[tuple[str, str]]:
-        """What is decided and what it takes, each with its words."""
+        """Pairs of a title and a text."""
         growth = [("growth", self.growth)] if self.growth else []
         return [*self.plan.decisions, *growth, ("memory", self.memory), ("guaranteed time", str(self.guaranteed))]
 
@@ -76,7 +76,7 @@ def explain_template(
     template: str | LibraryEntry | AnyTemplate, picture: ArrayLike = (64, 64), backend: str = "cpu",
     **changes: Unpack[TaskOptions],
 ) -> Explanation:  # fmt: skip
-    """Return what the plan decides for a template; arguments and errors as `cnnsim.program.explain.explain`."""
+    """Return the explanation of a template; arguments and errors as in `cnnsim.program.explain.explain`."""
     values = np.asarray(picture)
     values = blank(values) if values.ndim == 1 else values
     if not isinstance(template, str | LibraryEntry):
@@ -102,11 +102,11 @@ def _explained(task: Task, guaranteed: RunningTime, backend: str) -> Explanation
 
 
 def blank(shape: Array) -> Array:
-    """Return a white picture of a shape, however large, that takes no memory."""
+    """Return a white picture of a shape that takes no memory."""
     sizes = shape.tolist()
     try:
         if shape.dtype.kind not in "iu" or min(sizes, default=1) < 1:
             raise ValueError
         return np.broadcast_to(-1.0, sizes)
-    except ValueError as error:  # also of more cells than can be numbered
+    except ValueError as error:  # also for too many cells
         raise InputError(f"shape {tuple(sizes)}; (rows, cols) of a grid wanted") from error

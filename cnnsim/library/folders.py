@@ -1,4 +1,4 @@
-"""Folders of the library: the shipped one first, then users' own; of one name the last folder's file counts."""
+"""Folders of the library: the shipped one, then users' own; a file in a later folder replaces one of the same name."""
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -12,24 +12,24 @@ _own: tuple[Path, ...] = ()
 
 
 def folder() -> Path:
-    """Return where the shipped template files are: inside an installed package, or beside it in a source tree."""
+    """Return the folder of the shipped template files: inside an installed package, or next to it in a checkout."""
     inside = Path(__file__).parents[1] / "templates"
     return inside if inside.is_dir() else Path(__file__).parents[2] / "templates"
 
 
 def folders() -> tuple[Path, ...]:
-    """Return all folders that are searched, the shipped one first."""
+    """Return all folders, the shipped one first."""
     return (folder(), *_own)
 
 
 def files() -> dict[str, Path]:
-    """Return the file of every template name, in alphabetical order; of one name the last folder's file counts."""
+    """Return the file of every template name in alphabetical order, from the last folder that has it."""
     found = {path.stem: path for place in folders() for path in place.glob("*.toml")}
     return dict(sorted(found.items()))
 
 
 def file_of(name: str) -> Path | None:
-    """Return the file of a template name, as `files` has it; without a look at all the others."""
+    """Return the file of one template name, or None."""
     places = (place / f"{name}.toml" for place in reversed(folders()))
     return next((path for path in places if path.stem == name and lexists(path)), None)
 
@@ -53,7 +53,7 @@ def program_file(name: str) -> Path:
 
 
 def not_found(what: str, name: str, found: Collection[str], command: str) -> InputError:
-    """Return the error for a name that is not among those found; it has the nearest ones, and the command for all."""
+    """Return the error for an unknown name, with the nearest names and the command that lists all."""
     if what == "template" and name in programs():
         return InputError(f"no template {name!r}, but a program of that name: `cnnsim program {name}` runs it")
     if what == "program" and name in files():
@@ -66,9 +66,9 @@ def not_found(what: str, name: str, found: Collection[str], command: str) -> Inp
 
 
 def add(*paths: str | Path) -> None:
-    """Search users' own folders of template files as well, from now on; later ones come first.
+    """Add folders of template files to the library; later ones have precedence.
 
-    A file there may have the name of a shipped template and then replaces it, and may do without a worked example.
+    A file may have the name of a shipped template, which it replaces, and need not have a worked example.
 
     Raises:
         InputError: one of them is no folder.
@@ -83,7 +83,7 @@ def add(*paths: str | Path) -> None:
 
 @contextmanager
 def using(*paths: str | Path) -> Iterator[None]:
-    """Search users' own folders as `add` does, for the time of a ``with`` block."""
+    """Add folders as `add` does, for a ``with`` block."""
     global _own
     before = _own
     try:

@@ -1,4 +1,4 @@
-"""A template read from a file of another system: an entry of our library, and what that file left open."""
+"""Imported: a library entry read from a file of another system."""
 
 import re
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from cnnsim.support.files import LONGEST_NAME
 
 @dataclass(frozen=True)
 class Imported(LibraryEntry):
-    """An entry that comes from elsewhere; ``missing`` says why it cannot be written, where that is so."""
+    """An imported entry; ``missing`` is the reason why it cannot be written, or empty."""
 
     missing: str = ""
 
@@ -32,10 +32,10 @@ class Imported(LibraryEntry):
 
 
 def plain(template: AnyTemplate, place: str) -> Template:
-    """Return a linear template of one layer as what it is.
+    """Return a linear template of one layer.
 
     Raises:
-        InputError: it is of another kind, and ``place`` holds no such.
+        InputError: another kind of template, which the format ``place`` cannot have.
     """
     if isinstance(template, Template) and template.linear:
         return template
@@ -43,12 +43,12 @@ def plain(template: AnyTemplate, place: str) -> Template:
 
 
 def library_name(text: str) -> str:
-    """Return a name as our files have it, lower case and hyphens: ``CCD_HOR`` becomes ``ccd-hor``."""
+    """Return a name in lower case with hyphens: ``CCD_HOR`` becomes ``ccd-hor``."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower())[:LONGEST_NAME].strip("-") or "unnamed"
 
 
 def assume_setting(imported: Imported, report: Diagnostics, boundary: Boundary | None = None) -> Imported:
-    """Fill in what a format leaves open, initial state and perhaps boundary, and say so."""
+    """Fill in the initial state and perhaps the boundary, which a format lacks, and add a warning."""
     role: Role = "picture" if imported.network.reads_input else "none"
     open_ends = "initial state" if boundary else "boundary and initial state"
     taken = "the picture was taken" if boundary else "zero-flux and the picture were taken"

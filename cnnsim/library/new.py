@@ -1,4 +1,4 @@
-"""New files of templates and programs: commented, and right as they are, to be changed from there."""
+"""Texts of new template and program files: commented and valid."""
 
 from cnnsim.library.write import toml_value
 from cnnsim.support import InputError

@@ -1,4 +1,4 @@
-"""Plots into axes of matplotlib: each function takes axes, or makes some, and returns them."""
+"""Plots with matplotlib: each function draws into the given or new axes and returns them."""
 
 from cnnsim.plot.animation import animation
 from cnnsim.plot.figures import to_png

@@ -18,11 +18,11 @@ def animation(
 ) -> "FuncAnimation":
     """Return an animation of outputs ``y`` (times, rows, cols), the time ``t`` of each above it.
 
-    ``interval`` is what a frame lasts [ms]. In a notebook ``HTML(found.to_jshtml())`` plays it; ``found.save("x.gif")``
-    writes it. Keep it in a variable while it runs: matplotlib does not.
+    ``interval`` is the time of a frame [ms]. In a notebook ``HTML(found.to_jshtml())`` plays it, and
+    ``found.save("x.gif")`` writes it. Keep a reference while it runs: matplotlib does not.
 
     Raises:
-        InputError: an interval that is not positive, or ``axes`` that are none.
+        InputError: an interval that is not positive, or ``axes`` that are not Axes.
     """
     from matplotlib.animation import FuncAnimation  # slow to import, and only needed for plots
 

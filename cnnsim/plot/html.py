@@ -1,4 +1,4 @@
-"""HTML for notebooks: matrices and facts as tables, pictures inside the page."""
+"""HTML for notebooks: matrices and tables, and embedded pictures."""
 
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,24 +12,24 @@ _TEXT = 'style="text-align:left; padding:1px 0"'
 
 
 def heading(name: str, text: str = "") -> str:
-    """Return a line that names a thing in bold and says what it is."""
+    """Return a line with a name in bold and a text."""
     return f"<div><b>{escape(name)}</b>{': ' if text else ''}{escape(text)}</div>"
 
 
 def matrices(named: Mapping[str, Array]) -> str:
-    """Return matrices side by side, each beside its name."""
+    """Return matrices side by side with their names."""
     blocks = (f'<td {_CELL}>{escape(name)} =</td><td style="padding-right:24px">{_matrix(values)}</td>'
               for name, values in named.items())  # fmt: skip
     return f"<table><tr>{''.join(blocks)}</tr></table>"
 
 
 def facts(named: Mapping[str, object]) -> str:
-    """Return names and values, a row each."""
+    """Return a table of names and values."""
     return table(((name, str(value)) for name, value in named.items()), ())
 
 
 def table(rows: Iterable[Sequence[str]], head: Sequence[str]) -> str:
-    """Return rows of texts under their titles."""
+    """Return a table of texts with titles."""
     first = "".join(f"<th {_NAME}>{escape(title)}</th>" for title in head)
     lines = ("".join(f"<td {_NAME if i == 0 else _TEXT}>{escape(text)}</td>" for i, text in enumerate(row))
              for row in rows)  # fmt: skip
@@ -38,7 +38,7 @@ def table(rows: Iterable[Sequence[str]], head: Sequence[str]) -> str:
 
 
 def image(png: bytes, width: int | None = None) -> str:
-    """Return a picture that is part of the page, at most ``width`` pixels wide."""
+    """Return an embedded picture, at most ``width`` pixels wide."""
     style = "" if width is None else f' style="max-width:{width}px"'
     return f'<img src="data:image/png;base64,{b64encode(png).decode()}"{style}/>'
 

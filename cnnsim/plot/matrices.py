@@ -1,4 +1,4 @@
-"""Templates drawn: the entries of A and B as numbers on a colour that shows their sign and size."""
+"""Plot of a template: the entries of A and B as numbers on colours by sign and size."""
 
 from typing import TYPE_CHECKING, Protocol
 
@@ -12,13 +12,13 @@ if TYPE_CHECKING:
 
 
 _NAME = 40
-"""Characters of a name that a title has room for."""
+"""Characters of a name in a title."""
 _LONG = 6
-"""Characters of a number that has room at the usual size."""
+"""Characters of a number at the usual font size."""
 
 
 class Weights(Protocol):
-    """What is drawn of a template."""
+    """The attributes of a template that are drawn."""
 
     @property
     def A(self) -> Floats:  # noqa: N802 - the field's name
@@ -38,7 +38,7 @@ class Weights(Protocol):
 
     @property
     def terms_words(self) -> str:
-        """What it has beyond the matrices, in words."""
+        """A text about its terms."""
 
 
 def template(weights: Weights, axes: "Axes | None" = None) -> "Axes":
@@ -68,5 +68,5 @@ def template(weights: Weights, axes: "Axes | None" = None) -> "Axes":
 
 
 def _fitting(columns: int) -> tuple[int, float]:
-    """Return digits and size of the numbers in so many columns of entries, none where only colours have room."""
+    """Return digits and font size of the numbers for a number of columns; (0, 0) if there is room for colours only."""
     return (4, 11) if columns <= 6 else (3, 6.5) if columns <= 10 else (2, 5.5) if columns <= 14 else (0, 0.0)

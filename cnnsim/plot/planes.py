@@ -1,4 +1,4 @@
-"""Planes drawn into axes: black is +1, white is -1, a cell is a square."""
+"""Plots of planes: black is +1, white is -1, a cell is a square."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 
 def plane(values: ArrayLike, axes: "Axes | None" = None, *, title: str = "") -> "Axes":
-    """Draw CNN values (rows, cols) and return the axes; what lies beyond -1 and 1 is white and black.
+    """Draw CNN values (rows, cols) and return the axes; values outside [-1, 1] are clipped, True is black.
 
-    Planes (n, rows, cols), of layers or of a batch, lie side by side, each over its number. Booleans: True is black.
+    Planes (n, rows, cols), of layers or of a batch, are side by side with their numbers.
 
     Raises:
         InputError: another shape, or whole numbers as of grey levels.
@@ -37,9 +37,9 @@ def plane(values: ArrayLike, axes: "Axes | None" = None, *, title: str = "") -> 
 
 
 def sheet(planes: Sequence[Array], titles: Sequence[str], axes: "Axes | None" = None) -> "Axes":
-    """Draw planes of one shape in a row of one pair of axes, each under its title.
+    """Draw planes of one shape side by side with their titles.
 
-    Planes are (rows, cols); of several, (layers, rows, cols), each stands over its number.
+    A plane is (rows, cols), or (layers, rows, cols), whose layers are side by side with their numbers.
     """
     pictures, axes = [side_by_side(values) for values in planes], given_or_new(axes)
     rows, cols = pictures[0].shape
@@ -62,7 +62,7 @@ def sheet(planes: Sequence[Array], titles: Sequence[str], axes: "Axes | None" = 
 
 
 def side_by_side(values: Array) -> Array:
-    """Return planes (..., rows, cols) as one plane, the others to the right of the first.
+    """Return planes (..., rows, cols) side by side as one plane.
 
     Raises:
         InputError: fewer than two axes.

@@ -1,4 +1,4 @@
-"""States and outputs of cells drawn over time."""
+"""Plots of states and outputs of cells over time."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -11,11 +11,11 @@ if TYPE_CHECKING:
 
 
 TURNS = ("-", ":", "-.")
-"""Styles of lines: of the first cells of which each has a colour of its own, and of those after them."""
+"""Line styles: the next one is used when all colours are used."""
 
 
 def states(t: Array, x: Array, labels: Sequence[str] = (), axes: "Axes | None" = None) -> "Axes":
-    """Draw states ``x`` (times, cells) over the times ``t`` [time constants]; the linear piece |x| <= 1 is grey."""
+    """Draw states ``x`` (times, cells) over the times ``t`` [time constants]; the range |x| <= 1 is grey."""
     axes = given_or_new(axes)
     axes.axhspan(-1, 1, color="#eeeeee", zorder=0)
     for cell in range(x.shape[1]):
@@ -32,7 +32,7 @@ def outputs(t: Array, y: Array, labels: Sequence[str] = (), axes: "Axes | None" 
     """Draw outputs ``y`` (times, cells) over the times ``t`` [time constants]."""
     axes = given_or_new(axes)
     for cell in range(y.shape[1]):
-        style: Any = (0, (4, 1 + cell % 3)) if cell % 2 else "-"  # outputs lie on one another at -1 and +1
+        style: Any = (0, (4, 1 + cell % 3)) if cell % 2 else "-"  # outputs overlap at -1 and +1
         style = TURNS[cell // len(COLOURS) % len(TURNS)] if cell >= len(COLOURS) else style
         label = labels[cell] if labels else None
         axes.plot(t, y[:, cell], color=COLOURS[cell % len(COLOURS)], linewidth=1.8, linestyle=style, label=label)
