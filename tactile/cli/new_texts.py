@@ -8,11 +8,9 @@ title      = "NAME"
 rate_hz    = 200            # frames a second, for each finger
 duration_s = 2.0
 # seed       = 1            # of all random effects
-# effects    = "auto"       # exactly the effects that change the signal by more than the tolerance
-# tolerance  = 0.02         # of its peak
-# accuracy   = 1e-4         # of the field, of its peak; 0 for rounding, which takes far longer under wide contacts
-# backend    = "opencl"     # where loads are summed; "cpu" unless told
-# dtype      = "float32"    # on OpenCL; "float64" unless told
+# effects    = "auto"       # drop named effects, and compute the field more coarsely, within the tolerance
+# tolerance  = 0.02         # largest error relative to the peak of the signal
+# accuracy   = 1e-4         # error of the field relative to its peak; 0 for rounding, slow under wide contacts
 
 [cover]
 youngs_modulus_mpa = 2.4    # soft silicone rubber
