@@ -14,7 +14,7 @@ from cnnsim.library.entry import LibraryEntry
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json
 from cnnsim.support.files import check_folder, make_folder
-from cnnsim.support.pictures.sequence import PictureSequence, Reading, size_text
+from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence, size_text
 from cnnsim.support.terminal import say
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def check_engine_options(engine: str | None, store: Path | None, workers: int | 
 
 def run_large(
     entry: LibraryEntry, files: dict[str, Path | None], where: Backend, output: Path | None, as_json: bool,
-    reading: Reading, given: dict[str, Any], chosen: dict[str, Any],
+    reading: PictureOptions, given: dict[str, Any], chosen: dict[str, Any],
 ) -> None:  # fmt: skip
     """Run a template on one picture in supersteps, and write and report the result as `run` does.
 
@@ -95,7 +95,7 @@ def run_large(
     say(f"{entry.name}: {cells} cells, {ended}, {black} black" + arrow([] if output is None else [output]))
 
 
-def sequence_of_large(paths: list[str], reading: Reading, _key: str = "") -> PictureSequence:
+def sequence_of_large(paths: list[str], reading: PictureOptions, _key: str = "") -> PictureSequence:
     """Return large pictures, one per file, as a sequence whose planes are read in parts.
 
     Raises:

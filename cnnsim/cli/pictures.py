@@ -16,7 +16,7 @@ from cnnsim.support.files import check_folder, check_place, make_folder
 from cnnsim.support.pictures.film import FILM_ENDINGS, filming, is_film, video_library
 from cnnsim.support.pictures.picture import write_picture
 from cnnsim.support.pictures.read import read_pictures
-from cnnsim.support.pictures.sequence import Reading
+from cnnsim.support.pictures.sequence import PictureOptions
 
 FRAME_RATE = 10.0
 """Pictures a second of a film of results, if the input has no rate."""
@@ -46,7 +46,7 @@ def parse_levels(text: str | None) -> tuple[float, float] | None:
     return black, white
 
 
-def read_for(entry: LibraryEntry, paths: Sequence[Path], reading: Reading, *, batch: bool) -> Array:
+def read_for(entry: LibraryEntry, paths: Sequence[Path], reading: PictureOptions, *, batch: bool) -> Array:
     """Return the picture (rows, cols) for a template, or the sequence (n, rows, cols) if it takes one.
 
     With ``batch`` a template for one picture takes several as well, as independent grids.
@@ -62,7 +62,7 @@ def read_for(entry: LibraryEntry, paths: Sequence[Path], reading: Reading, *, ba
     return planes if len(planes) > 1 else planes[0]
 
 
-def read_beside(path: Path | None, what: str, pictures: Array, reading: Reading) -> Array | None:
+def read_beside(path: Path | None, what: str, pictures: Array, reading: PictureOptions) -> Array | None:
     """Return a second picture, or one for each picture of a batch.
 
     Raises:

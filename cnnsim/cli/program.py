@@ -27,7 +27,7 @@ from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.film import filming, is_film
 from cnnsim.support.pictures.picture import write_picture
 from cnnsim.support.pictures.read import sequence_of
-from cnnsim.support.pictures.sequence import PictureSequence, Reading
+from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence
 from cnnsim.support.terminal import say
 
 _SHOWN = 10
@@ -86,7 +86,7 @@ def program(
         file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings, once=True)}
     )
     where = find_backend(backend, device=device, threads=threads)
-    reading = Reading(binary, levels, where.dtype)
+    reading = PictureOptions(binary, levels, where.dtype)
     large = engine is not None or store is not None
     film = output is not None and is_film(output)
     if large and film:
@@ -133,7 +133,7 @@ def program(
 def _sequences(
     pairs: list[tuple[str, str]],
     stills: list[tuple[str, str]],
-    reading: Reading,
+    reading: PictureOptions,
     sequence: Callable[..., PictureSequence],
 ) -> dict[str, PictureSequence]:
     given: dict[str, list[str]] = {}

@@ -30,7 +30,7 @@ from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.pictures.film import write_film
-from cnnsim.support.pictures.sequence import Reading
+from cnnsim.support.pictures.sequence import PictureOptions
 from cnnsim.support.terminal import say
 
 backend_option = click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
@@ -121,11 +121,11 @@ def run(
             raise InputError(f"{len(pictures)} pictures on an engine; a template for one picture, and one, wanted")
         files = {"picture": pictures[0], "state": state, "mask": mask, "bias": bias}
         chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
-        run_large(entry, files, where, output, as_json, Reading(binary, levels), given, chosen)
+        run_large(entry, files, where, output, as_json, PictureOptions(binary, levels), given, chosen)
         return
     accuracy = given.get("accuracy", entry.accuracy)
     finely = accuracy is not None and parse_accuracy(accuracy).dtype == "float64"
-    reading = Reading(binary, levels, np.dtype(np.float64) if finely else where.dtype)
+    reading = PictureOptions(binary, levels, np.dtype(np.float64) if finely else where.dtype)
     shown = read_for(entry, pictures, reading, batch=True)
     where = find_backend(backend, where.dtype, device, threads, shown.size)
     task = entry.changed(entry.task(shown, read_beside(state, "--state", shown, reading)), given)

@@ -21,7 +21,7 @@ from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.pictures.film import write_film
-from cnnsim.support.pictures.sequence import Reading
+from cnnsim.support.pictures.sequence import PictureOptions
 from cnnsim.support.terminal import say
 
 _FILE = click.Path(path_type=Path)
@@ -70,7 +70,7 @@ def trace(
     check_film(film)
     entry = library.load(name)
     where = backends.get(backend)
-    reading = Reading(binary, levels, where.dtype)
+    reading = PictureOptions(binary, levels, where.dtype)
     shown = read_for(entry, pictures, reading, batch=False)
     given = entry.task(shown, read_beside(state, "--state", shown, reading))
     if boundary is not None:

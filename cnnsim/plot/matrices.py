@@ -17,7 +17,7 @@ _LONG = 6
 """Characters of a number at the usual font size."""
 
 
-class Weights(Protocol):
+class DrawnTemplate(Protocol):
     """The attributes of a template that are drawn."""
 
     @property
@@ -41,7 +41,7 @@ class Weights(Protocol):
         """A text about its terms."""
 
 
-def template(weights: Weights, axes: "Axes | None" = None) -> "Axes":
+def template(weights: DrawnTemplate, axes: "Axes | None" = None) -> "Axes":
     """Draw the matrices A and B of a template side by side, positive entries red and negative ones blue."""
     axes = given_or_new(axes)
     most = max(float(np.abs(weights.A).max()), float(np.abs(weights.B).max()), 1e-300)

@@ -15,7 +15,7 @@ from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.arrays import cnn_values, of_array
 from cnnsim.support.pictures.picture import read_picture, to_image
 from cnnsim.support.pictures.pixels import Levels
-from cnnsim.support.pictures.sequence import Reading
+from cnnsim.support.pictures.sequence import PictureOptions
 
 ROWS = 1024
 """Rows that are written at a time."""
@@ -44,7 +44,7 @@ def open_large(path: Path, *, binary: bool = False, levels: Levels | None = None
         if plain and mapped.dtype.kind == "f":
             cnn_values(mapped, str(path))
             return mapped
-    planes = of_array(path, Reading(binary, levels, np.float32), "")
+    planes = of_array(path, PictureOptions(binary, levels, np.float32), "")
     if planes.count() != 1:
         raise InputError(f"{path} holds {planes.count()} pictures; one wanted")
     return next(planes.pictures())

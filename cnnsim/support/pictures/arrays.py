@@ -11,7 +11,7 @@ from PIL import Image
 from cnnsim.support.array_files import open_npz, read_array
 from cnnsim.support.errors import InputError
 from cnnsim.support.pictures.pixels import Levels, extremes, from_levels, labels_error, tell_if_dark
-from cnnsim.support.pictures.sequence import PictureSequence, Reading
+from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence
 from cnnsim.support.values import Array
 
 SIXTEEN_BITS: Levels = (0.0, 65535.0)
@@ -22,7 +22,7 @@ _BLOCK = 1 << 20
 """Numbers that are read at a time, at least a row."""
 
 
-def of_array(path: Path, reading: Reading, key: str) -> PictureSequence:
+def of_array(path: Path, reading: PictureOptions, key: str) -> PictureSequence:
     """Return the planes of an .npy file, or of the array ``key`` (or the only one) of an .npz file, as a sequence.
 
     An array is (rows, cols) or (n, rows, cols), of colours (..., 3 or 4).

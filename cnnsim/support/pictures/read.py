@@ -15,7 +15,7 @@ from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.arrays import of_array
 from cnnsim.support.pictures.film import VIDEO_ENDINGS
 from cnnsim.support.pictures.pixels import Levels, check_reading
-from cnnsim.support.pictures.sequence import PictureSequence, Reading, of_file, of_video, size_text
+from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence, of_file, of_video, size_text
 from cnnsim.support.values import Array
 
 
@@ -33,7 +33,7 @@ def read_pictures(
         InputError: as `read_picture`; pictures of different sizes, none, or more than the memory holds.
     """
     check_reading(levels, dtype)
-    whole = sequence_of(list(paths), Reading(binary, levels, dtype))
+    whole = sequence_of(list(paths), PictureOptions(binary, levels, dtype))
     count, (rows, cols) = whole.count(), whole.shape
     size = count * rows * cols * np.dtype(dtype).itemsize
     check_memory(f"{whole.name}: reading {count} pictures of {rows} x {cols}", size, "give fewer or smaller ones")
@@ -43,7 +43,7 @@ def read_pictures(
     return found
 
 
-def sequence_of(paths: Sequence[str | Path], reading: Reading, key: str = "") -> PictureSequence:
+def sequence_of(paths: Sequence[str | Path], reading: PictureOptions, key: str = "") -> PictureSequence:
     """Return the pictures of some files as one sequence; of an .npz file the array ``key``, or its only array.
 
     Raises:
@@ -68,7 +68,7 @@ def sequence_of(paths: Sequence[str | Path], reading: Reading, key: str = "") ->
     )  # fmt: skip
 
 
-def _part(path: Path, reading: Reading, key: str) -> PictureSequence:
+def _part(path: Path, reading: PictureOptions, key: str) -> PictureSequence:
     if path.is_dir():
         known = Image.registered_extensions()
         files = [file for file in path.iterdir() if file.suffix.lower() in known and not file.name.startswith(".")]

@@ -19,7 +19,7 @@ from cnnsim.support.values import Array
 
 
 @dataclass(frozen=True)
-class Reading:
+class PictureOptions:
     """Options of the conversion to CNN values, as in `cnnsim.read_picture`."""
 
     binary: bool = False
@@ -46,7 +46,7 @@ class PictureSequence:
     long: bool = False
 
 
-def of_file(path: Path, reading: Reading) -> PictureSequence:
+def of_file(path: Path, reading: PictureOptions) -> PictureSequence:
     """Return the picture or pictures of a file that Pillow reads.
 
     Raises:
@@ -77,7 +77,7 @@ def of_file(path: Path, reading: Reading) -> PictureSequence:
     return PictureSequence(str(path), (rows, cols), lambda: count, pictures, rate)
 
 
-def of_video(path: Path, reading: Reading) -> PictureSequence:
+def of_video(path: Path, reading: PictureOptions) -> PictureSequence:
     """Return the pictures of a video.
 
     Raises:
