@@ -27,7 +27,6 @@ REFUSED = [
     ("run edge one.png --block 8", "--block 8 without an engine; --engine processes, or dask=ADDRESS, wanted"),
     ("run edge one.png --workers 1", "--workers 1 without an engine"),
     ("program opening --input picture=one.png --workers 1", "--workers 1 without an engine"),
-    ("explain skeleton --block 8", "--block 8 without an engine"),
     ("program opening --input picture=", "--input 'picture='; NAME=VALUE wanted"),
     ("program opening --input =one.png", "--input '=one.png'; NAME=VALUE wanted"),
     ("program opening --input picture=one.png --still x=", "--still 'x='; NAME=VALUE wanted"),
