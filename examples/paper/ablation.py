@@ -1,4 +1,4 @@
-"""Which of the errors of sect. 4.1 brings back which of the paper's findings: one at a time and together, a table.
+"""Ablation study: which errors of sect. 4.1 reproduce which of the paper's findings, one at a time and together.
 
 ``python -m examples.paper.ablation [-o FOLDER] [--json]``. The paper found beta_ns = 1.46, a precision of 3-5 um within
 150 um, a speed of 0.45 instead of 0.5 mm/s that a slightly thicker cover mends, and far away a map as if beta_ns were
@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.command_line import print_json
-from cnnsim.support.terminal import console
-from examples.paper.claims import arguments
+from examples.paper.claims import study
 from examples.paper.needle import FORCE, NEAR, figure
 from examples.paper.skins import SKINS, Skin, Trial, on_the_bench
+
+HEADINGS = "skin", "beta_ns", "speed", "thicker", "error", "mended", "needed", "bend", "force", "brings back"
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Line:
 
 
 def line(skin: Skin, trial: Trial) -> Line:
-    """Put a trial into figures, and say in what it is like the paper's."""
+    """Return the figures of a trial, and which of the paper's findings it reproduces."""
     error, mended = (located.error(trial.made) * 1e6 for located in (trial.located, trial.mended))
     force = float(trial.located.force[trial.made.within(NEAR)].mean() / FORCE)
     found = {
@@ -49,22 +49,11 @@ def line(skin: Skin, trial: Trial) -> Line:
     )  # fmt: skip
 
 
-def table(lines: list[Line]) -> None:
-    """Print the lines for people."""
-    from rich import box  # only for people
-    from rich.table import Table  # the same
-
-    shown = Table(box=box.SIMPLE_HEAD)
-    headings = ("skin", "beta_ns", "speed", "thicker", "error", "mended", "needed", "bend", "force", "brings back")
-    for heading in headings:
-        shown.add_column(heading, justify="left" if heading in ("skin", "brings back") else "right")
-    for each in lines:
-        shown.add_row(
-            each.skin, f"{each.beta:.3f}", f"{each.speed:.3f} mm/s", f"{each.thicker:.3f} x", f"{each.error:.1f} um",
-            f"{each.mended:.1f} um", f"{each.needed:.2f} x", f"{each.bend:.2f}", f"{each.force:.2f}",
-            ", ".join(each.brings_back),
-        )  # fmt: skip
-    console().print(shown)
+def cells(each: Line) -> list[str]:
+    """Return the row of the table."""
+    numbers = f"{each.beta:.3f}", f"{each.speed:.3f} mm/s", f"{each.thicker:.3f} x", f"{each.error:.1f} um"
+    more = f"{each.mended:.1f} um", f"{each.needed:.2f} x", f"{each.bend:.2f}", f"{each.force:.2f}"
+    return [each.skin, *numbers, *more, ", ".join(each.brings_back)]
 
 
 def draw(trials: list[tuple[Skin, Trial]], path: Path) -> None:
@@ -89,15 +78,11 @@ def draw(trials: list[tuple[Skin, Trial]], path: Path) -> None:
 
 def main() -> None:
     """Try all skins."""
-    given = arguments(__doc__.splitlines()[0])
     trials = [(skin, on_the_bench(skin)) for skin in SKINS]
     lines = [line(skin, trial) for skin, trial in trials]
-    if given.json:
-        print_json([vars(each) for each in lines])
-    else:
-        table(lines)
-    if given.output is not None:
-        draw(trials, given.output / "ablation.png")
+    folder = study(__doc__.splitlines()[0], lines, map(cells, lines), HEADINGS)
+    if folder is not None:
+        draw(trials, folder / "ablation.png")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""What each calibration that the paper suggests and goes without would gain: error before and after, a table.
+"""Calibration study: error before and after each calibration that the paper suggests and does without.
 
 ``python -m examples.paper.calibration_gains [-o FOLDER] [--json]``. A sensor of beta_ns = 1.46 and 0.8 of its nominal
 gain is calibrated in one scan and tried in another, along other lines. Steps, each on top of those before: beta_ns by
 eq. (18) from the centre line; the linear thickness constant from the known speed; the absolute coefficients from the
-known load; the radial correction measured point by point.
+known load; the radial correction measured point by point. The table has rms errors of places within 150 um and within
+230 um, and of forces within 230 um.
 """
 
 from dataclasses import dataclass
@@ -11,9 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cnnsim.support.command_line import print_json
-from cnnsim.support.terminal import console
-from examples.paper.claims import arguments
+from examples.paper.claims import study
 from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
 from tactile.calibration.gains import Gains
@@ -61,7 +60,7 @@ def error(step: str, skin: str, made: Scan, found: Located, answered: np.ndarray
     return Gain(skin, step, in_near, in_far, of_force, lost)
 
 
-def study(skin: Skin) -> list[Gain]:
+def calibrated(skin: Skin) -> list[Gain]:
     """Calibrate a skin step by step in one scan, and try every step in another."""
     centre = scan(effects=skin.effects, feels=skin.feels, gains=SENSOR, half=500e-6).readings[0]
     known = scan(LINES, skin.effects, feels=skin.feels, gains=SENSOR, seed=1)
@@ -88,25 +87,11 @@ def study(skin: Skin) -> list[Gain]:
     return steps
 
 
-def table(gains: list[Gain]) -> None:
-    """Print the gains for people."""
-    from rich import box  # only for people
-    from rich.table import Table  # the same
-
-    shown = Table(
-        box=box.SIMPLE_HEAD, title="rms errors: places (um) within 150 um | within 230 um | forces within 230 um"
-    )
-    for heading in ("skin", *STEPS):
-        shown.add_column(heading, justify="left" if heading == "skin" else "right")
-    for skin in dict.fromkeys(gain.skin for gain in gains):
-        cells = {
-            gain.step: f"{gain.near:.1f} | {gain.far:.1f} | {gain.force:.1%}"
-            + (f" ({gain.lost} lost)" * (gain.lost > 0))
-            for gain in gains
-            if gain.skin == skin
-        }
-        shown.add_row(skin, *(cells[step] for step in STEPS))
-    console(170).print(shown)
+def cells(gains: list[Gain]) -> list[str]:
+    """Return the row of one skin in the table: its errors after every step."""
+    shown = [f"{gain.near:.1f} | {gain.far:.1f} | {gain.force:.1%}" for gain in gains]
+    lost = [f" ({gain.lost} lost)" if gain.lost else "" for gain in gains]
+    return [gains[0].skin, *map(str.__add__, shown, lost)]
 
 
 def draw(gains: list[Gain], path: Path) -> None:
@@ -127,14 +112,12 @@ def draw(gains: list[Gain], path: Path) -> None:
 
 def main() -> None:
     """Study all skins."""
-    given = arguments(__doc__.splitlines()[0])
-    gains = [gain for skin in SKINS for gain in study(skin)]
-    if given.json:
-        print_json([vars(gain) for gain in gains])
-    else:
-        table(gains)
-    if given.output is not None:
-        draw(gains, given.output / "calibration_gains.png")
+    studies = [calibrated(skin) for skin in SKINS]
+    gains = [gain for one in studies for gain in one]
+    headings = ("skin", *(f"{step} [um | um | 1]" for step in STEPS))
+    folder = study(__doc__.splitlines()[0], gains, map(cells, studies), headings)
+    if folder is not None:
+        draw(gains, folder / "calibration_gains.png")
 
 
 if __name__ == "__main__":

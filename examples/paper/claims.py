@@ -1,13 +1,14 @@
-"""What the paper states beside what comes out here: one line a claim, one table, the same for one script or all.
+"""Claims of the paper next to the computed values: one line a claim, one table for one script or for all.
 
 A script ``figNN_name.py`` has ``compare(folder)``, which returns its claims and draws its picture into the folder
-when one is given, and ends with ``alone(compare)``, so that it also runs by itself.
+if one is given. ``alone(compare)`` runs one script.
 """
 
 import argparse
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from cnnsim.support.command_line import print_json
 from cnnsim.support.terminal import console
@@ -15,7 +16,7 @@ from cnnsim.support.terminal import console
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper and what was computed: ``why`` says where a difference comes from."""
+    """A statement of the paper and the computed value; ``why`` explains a difference."""
 
     figure: str
     what: str
@@ -42,7 +43,7 @@ def table(claims: Iterable[Claim]) -> None:
 
 def as_json(claims: Iterable[Claim]) -> None:
     """Print the claims for a machine."""
-    print_json([asdict(claim) | {"agrees": bool(claim.agrees)} for claim in claims])  # NumPy's are not JSON's
+    print_json([asdict(claim) | {"agrees": bool(claim.agrees)} for claim in claims])  # NumPy's bool is not JSON
 
 
 def arguments(what: str | None) -> argparse.Namespace:
@@ -57,7 +58,26 @@ def arguments(what: str | None) -> argparse.Namespace:
 
 
 def alone(compare: Callable[[Path | None], list[Claim]]) -> None:
-    """Run one script: its table, and its picture where a folder is given."""
+    """Run one script: its table, and its picture if a folder is given."""
     given = arguments(compare.__doc__)
     claims = compare(given.output)
     (as_json if given.json else table)(claims)
+
+
+def study(what: str | None, rows: list[Any], cells: Iterable[list[str]], headings: Iterable[str]) -> Path | None:
+    """Print the rows of a study, as JSON or as a table of ``cells``; return the folder for its picture, or None."""
+    from rich import box  # only for people
+    from rich.table import Table  # the same
+
+    given = arguments(what)
+    if given.json:
+        print_json([vars(row) for row in rows])
+    else:
+        shown = Table(box=box.SIMPLE_HEAD)
+        for heading in headings:
+            shown.add_column(heading, justify="left" if heading in ("skin", "brings back") else "right")
+        for line in cells:
+            shown.add_row(*line)
+        console(170).print(shown)
+    folder: Path | None = given.output
+    return folder

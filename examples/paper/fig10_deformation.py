@@ -6,6 +6,7 @@ import numpy as np
 
 from examples.paper.bump import CONTACTS, INDENTATION, SENSOR, below, loaded
 from examples.paper.claims import Claim, alone
+from examples.paper.needle import figure
 
 OFF = 25e-6
 """[m] A sensor that is not quite on the axis."""
@@ -43,16 +44,11 @@ def squeezed() -> float:
 
 def draw(path: Path) -> None:
     """Write the picture."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
     answer = loaded()
     body = answer.bodies[0]
     count, mesh = body.mesh.nvertices, body.mesh
     nodes = body.basis.nodal_dofs[:, :count]
-    figure, panels = plt.subplots(2, 2, figsize=(11, 7.4), sharex=True, sharey=True, layout="constrained")
+    drawn, panels = figure(2, 2, (5.5, 3.7))
     titles = ("load z", "load x")
     for row, (state, load) in zip(panels, zip(answer.states, titles, strict=True), strict=True):
         moved = state[nodes] * INDENTATION
@@ -67,14 +63,13 @@ def draw(path: Path) -> None:
             panel.set_aspect("equal")
             panel.set_xlim(-700, 700)
             panel.set_ylim(700, -260)
-            figure.colorbar(colours, ax=panel, label="deformation [µm]", shrink=0.65)
+            drawn.colorbar(colours, ax=panel, label="deformation [µm]", shrink=0.65)
     for panel in panels[-1]:
         panel.set_xlabel("x [µm]")
     for panel in panels[:, 0]:
         panel.set_ylabel("z [µm]")
-    figure.suptitle("The bump's section in plane stress, the plate moved by 50 µm")
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    drawn.suptitle("The bump's section in plane stress, the plate moved by 50 µm")
+    drawn.savefig(path, dpi=110)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import numpy as np
 from cnnsim.support import Floats
 from examples.paper.bump import CONTACT, CONTACTS, INDENTATION, SENSOR, below, loaded
 from examples.paper.claims import Claim, alone
+from examples.paper.needle import figure
 
 DEPTHS = np.linspace(10e-6, 1.9e-3, 190)
 
@@ -62,12 +63,9 @@ def said(falls: bool) -> str:
 
 def draw(path: Path) -> None:
     """Write the picture."""
-    import matplotlib
+    from matplotlib import colormaps  # slow to import
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure, panels = plt.subplots(1, 3, figsize=(14, 4.6), sharex=True, layout="constrained")
+    drawn, (panels,) = figure(3, size=(4.7, 4.6))
     for solid, style, name in ((False, "-", "plane stress"), (True, "--", "body of revolution")):
         answer = loaded(CONTACT, solid)
         pressed, shifted = answer.displacement(below(DEPTHS))
@@ -77,21 +75,21 @@ def draw(path: Path) -> None:
         panels[0].plot(DEPTHS * 1e6, shifted[:, 0] * INDENTATION * 1e6, style, color="tab:red", label=f"shear, {name}")
         squeezed = answer.strain(below(DEPTHS))[0]
         panels[1].plot(DEPTHS * 1e6, squeezed[:, 1] * INDENTATION, style, color="tab:blue", label=name)
-        for contact, shade in zip(CONTACTS, plt.get_cmap("viridis")(np.linspace(0, 0.9, len(CONTACTS))), strict=True):
+        for contact, shade in zip(CONTACTS, colormaps["viridis"](np.linspace(0, 0.9, len(CONTACTS))), strict=True):
             sheared = loaded(contact, solid).strain(below(DEPTHS))[1]
             label = f"contact {contact * 1e6:.0f} µm" if not solid else None
             panels[2].plot(DEPTHS * 1e6, sheared[:, 0] * INDENTATION, style, color=shade, label=label)
-    panels[0].set(title="displacement along the load [µm]", xlim=(0, 1000), ylim=(0, 50))
+    panels[0].set(title="displacement along the load [µm]", ylim=(0, 50))
     panels[1].set(title="normal strain u_zz under the normal load")
     panels[2].set(title="shear strain u_xz under the shear load", ylim=(-0.03, 0.008))
     for panel in panels:
         panel.axvline(SENSOR * 1e6, color="0.6", linewidth=0.8)
         panel.axhline(0, color="k", linewidth=0.6)
+        panel.set(xlim=(0, 1000))
         panel.set_xlabel("depth on the axis [µm]; grey: the paper's sensor")
         panel.legend(fontsize=8)
-    figure.suptitle("Below the bump, the plate moved by 50 µm (full: plane stress, dashed: body of revolution)")
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    drawn.suptitle("Below the bump, the plate moved by 50 µm (full: plane stress, dashed: body of revolution)")
+    drawn.savefig(path, dpi=110)
 
 
 if __name__ == "__main__":

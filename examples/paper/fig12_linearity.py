@@ -9,6 +9,7 @@ import numpy as np
 from cnnsim.support import Floats
 from examples.paper.bump import CONTACT, CONTACTS, FINENESS, RUBBER, SENSOR, below, loaded
 from examples.paper.claims import Claim, alone
+from examples.paper.needle import figure
 from tactile.bump.body import Body
 from tactile.bump.finite import push_to
 from tactile.bump.kinematics import HALF, PLANE
@@ -144,13 +145,8 @@ def span(values: list[float]) -> str:
 
 def draw(path: Path) -> None:
     """Write the picture."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
     press, shift, touching, small = curves()
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+    drawn, ((left, right),) = figure(2, size=(5.5, 4.6))
     for curve, component, colour, name in ((press, 1, "tab:blue", "FzUz"), (shift, 0, "tab:red", "FxUx")):
         line = np.array([0, 100e-6])
         slope = curve.response[0, component] / curve.moved[0]
@@ -174,9 +170,8 @@ def draw(path: Path) -> None:
     for panel in (left, right):
         panel.set(xlabel="the plate's displacement [µm]", ylabel="displacement at the sensor [µm]")
         panel.legend(fontsize=8)
-    figure.suptitle("Response 200 µm deep on the axis, plane stress")
-    figure.savefig(path, dpi=110)
-    plt.close(figure)
+    drawn.suptitle("Response 200 µm deep on the axis, plane stress")
+    drawn.savefig(path, dpi=110)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Calibration of a skin as a scan or weights measured it: the TOML file that `calibrate` writes and `run` reads."""
+"""Calibration file of a skin: the TOML that `calibrate` writes and `run` reads."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -24,7 +24,7 @@ RADIAL_KEYS = ("located_um", "true_um", "force_factor")
 class Calibration:
     """The gains from readings to strain, the depth [m] to locate with, and the radial correction.
 
-    ``sigma``: standard deviations of the shear gain, the normal gain and the depth [m], as far as they are known.
+    ``sigma``: standard deviations of the shear gain, the normal gain and the depth [m], None if unknown.
     """
 
     gains: Gains
@@ -34,7 +34,7 @@ class Calibration:
 
 
 def load_calibration(path: Path | str) -> Calibration | TaxelGains:
-    """Return the calibration that a file holds: that of a scan, or the gains of every taxel from known loads.
+    """Return the calibration of a file: from a scan, or the gains of every taxel from known loads.
 
     Raises:
         InputError: no such file, no TOML, an unknown or missing key, a wrong type or value.
@@ -43,7 +43,7 @@ def load_calibration(path: Path | str) -> Calibration | TaxelGains:
 
 
 def parse_calibration(text: str, where: str) -> Calibration | TaxelGains:
-    """Return the calibration that a file's text is; ``where`` names it in messages.
+    """Return the calibration of a file's text; ``where`` names it in messages.
 
     Raises:
         InputError: as ``load_calibration``.
@@ -72,7 +72,7 @@ def _calibration(table: dict[str, Any], where: str) -> Calibration | TaxelGains:
         with naming(where), located(table, "radial"):
             return Calibration(Gains(shear, normal), depth, RadialCorrection(*columns), sigma)
     faults.raise_all()
-    raise AssertionError  # what is wrong has been told
+    raise AssertionError  # unreachable: the faults have been raised
 
 
 def _radial(table: dict[str, Any], where: str) -> tuple[list[float], list[float], list[float]]:
@@ -91,7 +91,7 @@ def _sigma(table: dict[str, Any], where: str) -> tuple[float, float, float] | No
 
 
 def write_calibration(path: Path, made: Calibration) -> None:
-    """Write a calibration, to be read by people as well.
+    """Write a calibration as TOML.
 
     Raises:
         InputError: the file cannot be written.

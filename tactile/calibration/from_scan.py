@@ -1,4 +1,4 @@
-"""Calibration from one straight scan over one taxel: beta_ns, thickness constant, gains and radial correction."""
+"""Calibration from one straight scan over one taxel: beta_ns, depth, gains and radial correction."""
 
 import math
 from typing import NamedTuple
@@ -17,16 +17,16 @@ from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.taxel import invert_strain
 
 RELIABLE, REACH = 0.75, 1.25
-"""Depths from the taxel within which speed and load are compared (150 um of the paper's 200), radii measured."""
+"""Distances [depths] within which speed and load are compared (150 um of the paper's 200), and radii measured."""
 PLACES = 101
-"""Places within them at which they are."""
+"""Number of places within `RELIABLE`."""
 BESIDE = 0.1
-"""A scan that passes the taxel by more than so many depths is not along y = 0: eq. (18) does not hold for it."""
+"""Largest distance [depths] of the scan line from the taxel: eq. (18) holds for y = 0."""
 CUT = 4
-"""A smooth peak, rounded to counts so that 3 samples or more share its top, falls by so many counts beside them or by
-fewer; one that falls by more was cut off."""
+"""Counts by which a smooth rounded peak with 3 or more equal samples falls next to them at most; a clipped one falls
+by more."""
 RINGS, SAMPLES = 10, 6
-"""Rings of the radial correction, fewer where a ring would have fewer samples."""
+"""Rings of the radial correction, and samples that each needs."""
 
 
 def calibrate(
@@ -40,9 +40,9 @@ def calibrate(
 ) -> Calibration:
     """Return the calibration from a needle that slides straight over a taxel, at a known speed, with a known load.
 
-    Of smooth curves through all samples (`tactile.calibration.scan_fit`), in this order: beta_ns from the extrema
-    (eq. (18)); the depth with which the needle moves at its speed; the gains with which it fits to its load near the
-    taxel; how far it was when it was located at each radius. Their standard deviations follow from those of the curves.
+    From smooth curves through all samples (`tactile.calibration.scan_fit`) follow, in this order: beta_ns from the
+    extrema (eq. (18)); the depth for which the located needle moves at its speed; the gains for which its located load
+    near the taxel is right; the true distance for each located radius. Standard deviations are those of the curves.
 
     Arguments: ``times`` (n,) [s]; ``readings`` (n, 3) T_x, T_y, S_n less their tare; ``speed`` [m/s]; ``load`` [N];
     ``depth`` z [m], nominal; ``modulus`` E [Pa]; ``toward``: direction of the slide in the array's
@@ -81,8 +81,8 @@ def calibrate(
     sensitivity(fit, float(at[-1]), normal / shear)
     inward = 1.0 if read[top, 2] < 0 else -1.0  # strain is negative under a load, CONVENTIONS.md
     bench = _Bench(speed * step, load, depth, modulus, units, (at[0], at[-1]), inward)
-    told, sigma = bench.told(fit.parameters), fit.spread(bench.told)
-    gains, deeper = Gains(*told[:2].tolist()), float(told[2])
+    found, sigma = bench.gains_and_depth(fit.parameters), fit.spread(bench.gains_and_depth)
+    gains, deeper = Gains(*found[:2].tolist()), float(found[2])
     if not deeper > SURE * sigma[2]:
         raise InputError(
             f"the depth is {deeper:.3g} +- {sigma[2]:.3g} m: a motion above {SURE:g} standard errors wanted"
@@ -100,8 +100,8 @@ def calibrate(
 
 
 class _Bench(NamedTuple):
-    """What is known of a scan: the needle's way [m] from sample to sample, its load [N], the skin's nominal depth [m]
-    and modulus [Pa], the units (3,) of the fitted readings, where the scan begins and ends, which sign presses.
+    """Known parameters of a scan: step [m] from sample to sample, load [N], nominal depth [m] and modulus [Pa] of the
+    skin, units (3,) of the fitted readings, first and last place, sign of a pressing load.
     """
 
     way: float
@@ -113,18 +113,18 @@ class _Bench(NamedTuple):
     inward: float
 
     def aside(self, parameters: Floats) -> float:
-        """Return how far [m] the scan passes beside the taxel."""
+        """Return the distance [m] of the scan line from the taxel."""
         return float(parameters[ASIDE] * parameters[DEPTH]) * self.way
 
     def readings(self, parameters: Floats, x: Floats) -> Floats:
         """Return the readings (n, 3) along the scan, across it and normal, with the load at x (n,) [m] along it."""
         return curves(parameters, x / (parameters[DEPTH] * self.way)).T * self.units
 
-    def told(self, parameters: Floats) -> Floats:
-        """Return the gains of shear and normal, and the depth [m], that these curves tell.
+    def gains_and_depth(self, parameters: Floats) -> Floats:
+        """Return the gains of shear and normal, and the depth [m], that follow from these curves.
 
-        A located length is proportional to the depth that the inverse was given. Gains follow from the curves, which
-        have little noise: forces located from three noisy readings each are larger on the mean.
+        A located length is proportional to the depth given to the inverse. Gains are computed from the curves, which
+        have little noise: forces located from three noisy readings are biased upwards.
         """
         _, _, normal = self.units
         gains = Gains(extrema(parameters) * normal / self.units[0], self.inward)
@@ -142,14 +142,14 @@ class _Bench(NamedTuple):
 
 
 def _way(shear: Floats, top: int) -> Floats:
-    """Return the direction of the scan: shear along it changes its sign at the taxel, shear across it does not."""
+    """Return the direction of the scan: the shear along it changes sign at the taxel."""
     half = min(top, len(shear) - 1 - top)
     odd = shear[top : top + half + 1] - shear[top - half : top + 1][::-1]
     return np.asarray(np.linalg.svd(odd, full_matrices=False)[2][0])
 
 
 def _radial(found: Floats, true: Floats, forces: Floats, load: float) -> RadialCorrection:
-    """Return the radial correction with as many rings as stand out of the noise."""
+    """Return the radial correction with the most rings that noise allows."""
     rings = max(1, min(RINGS, len(found) // SAMPLES))
     while True:
         try:
@@ -161,7 +161,7 @@ def _radial(found: Floats, true: Floats, forces: Floats, load: float) -> RadialC
 
 
 def _in_range(name: str, readings: Floats) -> None:
-    """Refuse readings that stay at an extremum and then fall as no smooth signal does: the range ends there."""
+    """Refuse clipped readings: equal ones at an extremum with a larger step next to them than a smooth peak has."""
     count = np.diff(np.unique(readings)).min(initial=np.inf)
     for end in (readings.min(), readings.max()):
         at = np.flatnonzero(readings == end)
@@ -176,7 +176,7 @@ def _in_range(name: str, readings: Floats) -> None:
 
 
 def _located(readings: Floats, gains: Gains, depth: float, modulus: float) -> tuple[Floats, Floats]:
-    """Places (n, 2) [m] and forces (n,) [N] of a pressing load."""
+    """Return places (n, 2) [m] and forces (n,) [N] of a pressing load."""
     x, y, z = gains(readings).T
     dx, dy, force, _ = invert_strain(x, y, z, depth, modulus, 0.0, 1)
     return np.stack([np.asarray(dx), np.asarray(dy)], axis=-1), np.asarray(force)

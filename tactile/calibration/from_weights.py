@@ -12,14 +12,14 @@ from tactile.elastic.halfspace import point_load_strain, point_load_stress
 Model = Literal["matrix", "gains", "common"]
 """A 3 x 3 matrix of every taxel, three gains of every taxel, one matrix for all."""
 SURE = 5.0
-"""A gain counts that is at least so many of its standard deviations large."""
+"""Least ratio of a gain to its standard deviation."""
 NAMES = "x", "y", "normal"
 
 
 class KnownLoads(NamedTuple):
-    """Loads that were there one after the other: ``forces`` (n, 3) Q, R, F [N]; ``places`` (n, 2) [m], or None.
+    """Known loads, one after the other: ``forces`` (n, 3) Q, R, F [N]; ``places`` (n, 2) [m], or None.
 
-    Taxels that measure force add up to the whole load, wherever it is; others feel it by its place.
+    Readings of force taxels add up to the load wherever it is; those of strain and stress depend on its place.
     """
 
     forces: Floats
@@ -29,21 +29,21 @@ class KnownLoads(NamedTuple):
 def calibrate_loads(
     readings: Floats, loads: KnownLoads, array: TaxelArray, modulus: float | None, model: Model
 ) -> TaxelGains:
-    """Return the gains with which the taxels read what known loads make of them.
+    """Return the gains for which the readings under known loads are those of the loads.
 
     Force:            sum over the taxels of M_n r_n = (Q, R, F)
     Strain, stress:   r_n = M_n^-1 u_n, that of the half-space under the load (eqs (1), (10))
 
-    each by least squares over the loads, component by component; the deviations from what is left. Of strain and stress
-    the loads say what every taxel feels, so that noise of the readings leaves no bias; of forces they say the sum
-    alone, and noise of the readings shrinks the gains by its share of their squares. ``model``: M free, diagonal, or
+    each by least squares over the loads, component by component; deviations from the residuals. Strain and stress of
+    every taxel follow from the loads, so noise of the readings causes no bias; of forces only the sum is known, and
+    noise of the readings reduces the gains by its share of their squares. ``model``: M free, diagonal, or
     free and the same for all taxels.
 
     Arguments: ``readings`` (n, rows, cols, 3) less their tare under each load; ``modulus`` E [Pa] of a strain array.
 
     Raises:
         InputError: shapes that do not match, too few loads, a load without a place where one is wanted, a gain
-            that these loads do not tell.
+            that these loads do not determine.
     """
     rows, cols = array.shape
     if readings.shape[1:] != (rows, cols, 3) or loads.forces.shape != (len(readings), 3):
@@ -57,12 +57,12 @@ def calibrate_loads(
     if array.quantity == "force":
         matrix, sigma = _of_forces(read, loads.forces, model)
     elif model == "common":
-        felt = _felt(loads, array, modulus)
-        same = _of_taxel(read.reshape(-1, 3), felt.reshape(-1, 3), model, "")
+        signals = _signals(loads, array, modulus)
+        same = _of_taxel(read.reshape(-1, 3), signals.reshape(-1, 3), model, "")
         matrix, sigma = (np.repeat(part[None], taxels, axis=0) for part in same)
     else:
-        felt = _felt(loads, array, modulus)
-        each = [_of_taxel(read[:, n], felt[:, n], model, f"taxel {divmod(n, cols)}: ") for n in range(taxels)]
+        signals = _signals(loads, array, modulus)
+        each = [_of_taxel(read[:, n], signals[:, n], model, f"taxel {divmod(n, cols)}: ") for n in range(taxels)]
         matrix, sigma = (np.array([one[part] for one in each]) for part in (0, 1))
     for n, axis in np.ndindex(taxels, 3):
         gain, error = matrix[n, axis, axis], sigma[n, axis, axis]
@@ -86,29 +86,29 @@ def _of_forces(read: Floats, forces: Floats, model: Model) -> tuple[Floats, Floa
     return matrix, sigma
 
 
-def _of_taxel(read: Floats, felt: Floats, model: Model, taxel: str) -> tuple[Floats, Floats]:
-    """Return the matrix (3, 3) from readings (n, 3) to what is felt (n, 3), and its deviations.
+def _of_taxel(read: Floats, signals: Floats, model: Model, taxel: str) -> tuple[Floats, Floats]:
+    """Return the matrix (3, 3) from readings (n, 3) to signals (n, 3), and its deviations.
 
-    The readings are fitted to what is felt, which is known: r = K u, M = K^-1, dM = -M dK M.
+    The readings are fitted to the signals, which are known: r = K u, M = K^-1, dM = -M dK M.
     """
     made, error = np.zeros((3, 3)), np.zeros((3, 3))
     for axis in range(3):
         used = [axis] if model == "gains" else [0, 1, 2]
-        made[axis, used], error[axis, used] = _solved(felt[:, used], read[:, axis], taxel + NAMES[axis])
+        made[axis, used], error[axis, used] = _solved(signals[:, used], read[:, axis], taxel + NAMES[axis])
     try:
         matrix = np.asarray(np.linalg.inv(made), np.float64)
     except np.linalg.LinAlgError:
         raise InputError(f"{taxel}readings {made.tolist()} of what is felt: a taxel that reads nothing") from None
     if model == "gains":
         return matrix, matrix**2 * error
-    spread = np.linalg.inv(felt.T @ felt)  # a row of K varies by this times what is left
+    spread = np.linalg.inv(signals.T @ signals)  # covariance of a row of K for residuals of variance 1
     left = error[:, 0] ** 2 / spread[0, 0]
     variance: Floats = np.outer(matrix**2 @ left, np.einsum("jb,jk,kb->b", matrix, spread, matrix))
     return matrix, np.sqrt(variance)
 
 
-def _felt(loads: KnownLoads, array: TaxelArray, modulus: float | None) -> Floats:
-    """Return what the taxels (n, taxels, 3) feel of the loads."""
+def _signals(loads: KnownLoads, array: TaxelArray, modulus: float | None) -> Floats:
+    """Return the signals (n, taxels, 3) of the loads by eqs (1), (10)."""
     if loads.places is None:
         raise InputError(f"loads without a place for taxel array {array.name!r} of {array.quantity}; x and y wanted")
     rows = np.concatenate([loads.places, loads.forces], axis=1)[:, None]

@@ -1,4 +1,4 @@
-"""Gains: the linear coefficients that turn the readings of a taxel into strain."""
+"""Gains: linear coefficients from the readings of a taxel to strain."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -50,5 +50,5 @@ class Gains:
         return np.abs(self(sigma))
 
     def readings(self, limit: Floats) -> Floats:
-        """Return the sizes (3,) of readings that make these of the strain."""
+        """Return the absolute readings (3,) that correspond to a strain ``limit``."""
         return np.asarray(limit / np.abs(self(np.ones(3))))

@@ -1,4 +1,4 @@
-"""Drift of the pressing of idle force taxels: what the tare follows of it, and what a slow touch gets back."""
+"""Drift of idle force taxels: how the tare follows it, and how a slow touch undoes that."""
 
 import numpy as np
 
@@ -6,20 +6,20 @@ from cnnsim.support import Flags, Floats
 from tactile.core.frame import NORMAL
 
 LEAST, COMMON = 0.25, 0.5
-"""What all drift by: the quantile of their pressing, at most so many dead bands of it a second; a touch presses some
+"""Common drift: this quantile of the normal forces, at most so many dead bands a second; a touch presses some taxels
 more than others."""
 ALONE, UNLIKE = 0.02, 0.5
-"""Dead bands of pressing a second that a taxel drifts alone, and part of what all drift by that is its own."""
+"""Drift of one taxel beyond the common one: dead bands a second, and part of the common drift."""
 FASTEST, FARTHEST = 1.5, 10.0
-"""Dead bands of pressing a second that drift goes at most during a contact, and dead bands in all."""
+"""Largest drift in a contact: dead bands a second, and dead bands in all."""
 
 
 class IdleDrift:
-    """How far the offset of idle taxels goes with their drift.
+    """Compensation of the drift of idle taxels.
 
-    The pressing of all follows the lower quartile of them, `COMMON` at most, and on each `ALONE` beside that and
-    `UNLIKE` of it: a touch that presses alike on all and slower is taken for drift. Once a slow touch is told of, what
-    was followed since one taxel rose above the others is given back to it.
+    The offset follows the lower quartile of the normal forces, at most `COMMON`, and each taxel by `ALONE` and `UNLIKE`
+    of that beyond it: a slower touch that presses all taxels equally is taken for drift. Once a slow touch is detected,
+    the compensation since one taxel rose above the others is undone.
 
     Args:
         limit: Dead bands (3,) or (rows, cols, 3) [unit of the frames].
@@ -31,7 +31,7 @@ class IdleDrift:
         self._before: Floats | None = None  # offset when a taxel began to rise faster than drift goes
 
     def follow(self, offset: Floats, away: Floats, known: Flags, sigma: Floats, seconds: float) -> Floats:
-        """Return the offset (rows, cols, 3) after so many seconds, where a block's mean is so far ``away`` from it."""
+        """Return the offset (rows, cols, 3) after ``seconds``, for a block whose mean is ``away`` from the offset."""
         limit, press = self._limit * seconds, away[..., NORMAL]
         common = np.clip(np.nanquantile(press[known], LEAST) if known.any() else 0.0, -COMMON * limit, COMMON * limit)
         own, left = ALONE * limit + UNLIKE * np.abs(common), press - common
@@ -44,7 +44,7 @@ class IdleDrift:
         return followed
 
     def give_back(self, offset: Floats) -> Floats | None:
-        """Return the offset without what was followed since one taxel rose, None where none did."""
+        """Return the offset without the compensation since one taxel rose, None if none did."""
         if self._before is None:
             return None
         back = offset.copy()
@@ -52,9 +52,9 @@ class IdleDrift:
         return back
 
     def forget(self) -> None:
-        """Take note of a contact: no taxel has begun to rise."""
+        """Note a contact: the compensation since a taxel rose is kept from now on."""
         self._before = None
 
     def in_contact(self, seconds: float) -> Floats:
-        """Return how far pressing may have drifted in a contact of so many seconds that is over."""
+        """Return the largest drift of the normal forces in a contact of ``seconds``."""
         return self._limit[..., None] * min(FASTEST * seconds, FARTHEST)

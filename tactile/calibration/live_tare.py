@@ -1,4 +1,4 @@
-"""Tare of arriving frames: taken at the start, on request, and by itself while nothing touches; not under load."""
+"""Tare of arriving frames: at the start, on request, and automatically while nothing touches; not under load."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -18,26 +18,26 @@ from tactile.thresholds.threshold import CONTACT, SHEAR
 
 TareMode = Literal["auto", "manual", "off"] | int
 SECONDS = 0.2
-"""[s] of frames that are judged together, ..."""
+"""[s] Shortest block of frames that is judged."""
 FRAMES = 20
-"""... and at least so many."""
+"""Least number of frames in a block."""
 SHORT = 0.05
-"""[s] of frames that do for the first tare where a load comes sooner: less than the noise of a hand is not known by."""
+"""[s] Shortest block for the first tare if a load comes before `SECONDS`."""
 IDLE = "idle"
-"""Why an offset was renewed that nobody asked for."""
+"""Reason of an automatic renewal."""
 SLOWLY = "given back to a slow touch"
-"""Why an offset is what it was some time before."""
+"""Reason of an offset without the drift compensation since a slow touch began."""
 CURE = "let nothing touch it, then ask for a tare"
 AFTER = 0.1
-"""[s] after a contact from which no frame is used: silicone creeps back."""
+"""[s] Time after a contact whose frames are not used: silicone creeps back."""
 
 
 @dataclass(frozen=True)
 class TareNote:
-    """What became of a block: ``offset`` (rows, cols, 3) where it was taken, else None and ``why`` in words.
+    """Result of a block: ``offset`` (rows, cols, 3) if it was taken, else None, and ``why``.
 
-    ``detail``: how much was taken away and which taxels are left out, or what was wrong and what to do; empty for
-    renewals while idle. ``check``: the same figures of the first offset.
+    ``detail``: how much was subtracted and which taxels are left out, or what was wrong and what to do; empty for
+    automatic renewals. ``check``: figures of the first offset.
     """
 
     finger: int
@@ -51,19 +51,17 @@ class TareNote:
 class LiveTare:
     """Subtracts an offset from one finger's frames, renews it from blocks that are still and unloaded, measures noise.
 
-    Still: in at most half of the taxels do the means of a block's parts differ by more than half of the dead band, or
-    than seven times the taxel's own jitter, so noise alone is never taken for motion; in none that is pressed more
-    meanwhile by four times that. One whose silicone creeps back, or that wanders sideways, costs itself alone: it is
-    too noisy to be used.
-    Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first one only has to be
-    still and press no more than the first frames did, since there is nothing yet to tell a load by. A block with
-    any contact that was told of in it, or that begins soon after, is neither taken nor learned from, however weak.
+    Still: the means of a block's parts differ by more than half of the dead band, and by seven times the taxel's
+    jitter, in at most half of the taxels, and by four times that in no taxel that is increasingly pressed. A taxel
+    whose silicone creeps back, or that drifts sideways, is left out as too noisy.
+    Unloaded: the block's mean is within half a dead band (or three sigma) of the offset. The first block only has
+    to be still and to press no more than the first frames did, since no load can be detected yet. A block during or
+    just after a contact is not used.
     Idle, the offset of force taxels follows their drift (see `IdleDrift`).
 
     Until there is an offset no taxel is valid, except in mode "off", where there is none and only the ``noise`` is
-    measured; "manual" renews on request only; a number takes just the first so many frames, whatever is in them.
-    ``gains``: what takes the readings to the array's quantity, in which
-    the dead bands are; None where they are in it.
+    measured; "manual" renews on request only; a number N takes the mean of the first N frames, loaded or not.
+    ``gains`` convert the readings to the array's quantity, which is the unit of the dead bands; None if they are in it.
     """
 
     def __init__(
@@ -96,7 +94,7 @@ class LiveTare:
         self._touched = self._renewed = -np.inf
 
     def touched(self, t: float) -> None:
-        """Take note that something is in contact at ``t`` [s]: what was followed since one taxel rose is its load."""
+        """Note a contact at ``t`` [s]. Undo the drift compensation since a taxel rose: it was load."""
         if self._drift is not None and self._offset is not None:
             back = self._drift.give_back(self._offset) if t - self._touched > AFTER else None
             if back is not None:
@@ -106,12 +104,12 @@ class LiveTare:
         self._touched = t
 
     def ask(self, force: bool = False) -> None:
-        """Renew the offset from the next block, if that is unloaded, or by ``force`` whatever is in it."""
+        """Renew the offset from the next block if it is unloaded, or in any case by ``force``."""
         self._asked, self._forced = True, force
         self._block = []
 
     def __call__(self, frame: Frame) -> Frame:
-        """Return the frame less the offset, without readings that are none."""
+        """Return the frame less the offset; readings that are not finite are invalid."""
         if (read := frame.read) is not frame.valid:
             frame = replace(frame, valid=read)
         values = frame.values
@@ -147,7 +145,7 @@ class LiveTare:
         return Frame(frame.finger, frame.t, frame.sequence, tared, valid, frame.t_device)
 
     def _end_first(self, t: float) -> None:
-        """Take the first offset of the frames before a load that comes too soon, if they were still."""
+        """Take the first offset from the frames before an early load, if they were still."""
         block = self._block
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
@@ -176,7 +174,7 @@ class LiveTare:
         bound = np.maximum(self._limit / 2, 3 * noise.sigma / np.sqrt(FRAMES / 4))
         if away is None:  # a later block is loaded where it presses more than the first frames did
             more = self._inward * (mean - self._start)[..., NORMAL]
-            # what its own noise is cannot be asked of a block in which a load came to rest
+            # the noise within the parts: the whole block may include the onset of a load
             slack = np.maximum(self._limit / 2, 3 * what.within)[..., NORMAL]
             loaded = bool((more > MUCH * slack).any())
         else:
@@ -197,7 +195,7 @@ class LiveTare:
             if self._offset is not None and away is not None:
                 if self._drift is not None and not (forced or asked) and self._touched <= self._renewed:
                     mean = self._drift.follow(self._offset, away, known, noise.sigma, t - self._renewed)
-                # a taxel that was silent during this block keeps what it had
+                # a taxel without readings in this block keeps its offset
                 mean = np.where(np.isfinite(mean), mean, self._offset)
             self._offset = mean
             self._renewed = t
@@ -210,7 +208,7 @@ class LiveTare:
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
 
     def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
-        """Say why no offset is taken; a pad that reads a pull all over was pressed when it was tared."""
+        """Note why no offset is taken; a pad on which most taxels read a pull was pressed when it was tared."""
         press = self._inward * away[..., NORMAL]
         limit = self._limit[..., NORMAL]
         negative = bool((press < -limit).sum() * 2 > (press > 0).sum() + 1)
@@ -237,6 +235,6 @@ class LiveTare:
 
 
 def _taken(check: TareCheck) -> str:
-    """Say how much was taken away, and whether that looks like a load."""
-    said = f"{check.amount} taken away"
-    return f"{said}; loaded, or an offset of that size: {CURE}" if check.loaded else said
+    """Return how much was subtracted, with a warning if it may be a load."""
+    amount = f"{check.amount} taken away"
+    return f"{amount}; loaded, or an offset of that size: {CURE}" if check.loaded else amount

@@ -21,9 +21,9 @@ EVERYWHERE = 1.0
 """[m] A correction measured to this distance holds for every answer."""
 LOCATED = (Validity.INSIDE, Validity.OUTSIDE)
 LEAST = 3
-"""A ring with fewer answers says nothing."""
+"""Least number of answers in a ring."""
 SURE = 2.0
-"""The located radius must grow from ring to ring by so many standard errors."""
+"""Standard errors by which the located radius must grow from ring to ring."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ class RadialCorrection:
     def of_signs(self, planes: Planes) -> Planes:
         """Return the planes of a load that presses, and where there are eight those of one that pulls, corrected.
 
-        A taxel reads the same of a load that presses far away and of one that pulls near it. Where the first is beyond
-        what was measured, the second counts only beside answers of other taxels, which it must agree with.
+        A load that presses far away and one that pulls near a taxel cause the same readings. Where the first is beyond
+        the measured radii, the second is used only together with answers of other taxels.
         """
         corrected = [self(planes[k : k + 4]) for k in range(0, len(planes), 4)]
         if len(corrected) == 2:

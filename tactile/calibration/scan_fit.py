@@ -1,12 +1,12 @@
-"""Smooth curves through all samples of a scan over one taxel, with how sure they are: shear along, across, and normal.
+"""Smooth curves through a scan over one taxel, with their covariance: shear along and across the scan, and normal.
 
-With the load at X along the scan and Y beside the taxel, in depths, t = X^2 + Y^2, w = t / (1 + t), and p, q
-polynomials in w of as few terms as the noise asks for,
+With the load at X along the scan and Y across it, in depths, t = X^2 + Y^2, w = t / (1 + t), and p, q
+polynomials in w with as few terms as Schwarz's criterion selects,
 
     S_n = p(w) / (1 + t)^(3/2),   (T along, T across) = 3 (X, Y) q(w) / (1 + t)^(5/2)
 
-which is eq. (1) with p = 3 w - 2 and eq. (10) with p = w - 1, q constant. Shear points to the load whatever the skin,
-so that what it tells of Y holds for one that is no half-space.
+which is eq. (1) with p = 3 w - 2 and eq. (10) with p = w - 1, q constant. Shear points to the load on any skin, so
+Y is right also for skins that are no half-space.
 """
 
 from collections.abc import Callable
@@ -20,31 +20,31 @@ from scipy.signal import fftconvolve
 from cnnsim.support import Flags, Floats
 
 TERMS = 8
-"""Skins that are no half-space differ by powers of w, this many less one at most."""
+"""Largest number of terms of p and of q."""
 WIDTHS = 24
-"""Depths, in samples, from which the fit may start."""
+"""Number of depths, in samples, that are tried as the start."""
 CLOSE = {"xtol": 1e-13, "ftol": 1e-13, "gtol": 1e-13}
 EXACT = 1e-20
-"""Share of the energy of a scan below which what is left is rounding."""
+"""Share of the energy of a scan below which residuals are rounding."""
 SUREST = 0.01
-"""No signal has less than this part of the largest variance: what is left of one that reads nothing is no noise."""
+"""Least variance of a signal, over the largest one: the residuals of a signal that is zero are no noise."""
 MIDDLE, DEPTH, ANGLE, ASIDE, OFFSETS, CURVES = 0, 1, 2, 3, slice(4, 6), 6
-"""Where the parameters are: places in samples, the scan's direction, Y, offsets of the shear, then p and q."""
+"""Indices of the parameters: place and depth in samples, direction of the scan, Y, offsets of the shear, p and q."""
 TURNS = 2
-"""Fits, each of which weighs the signals by what the one before leaves of them."""
+"""Number of fits; each weighs the signals by the residuals of the one before."""
 STEP = 1e-5
-"""Of a derivative by differences."""
+"""Relative step of numerical derivatives."""
 
 
 class ScanFit(NamedTuple):
-    """``parameters`` of the curves and their ``covariance``; those that were not fitted vary by nothing."""
+    """``parameters`` of the curves and their ``covariance``, zero for those that were not fitted."""
 
     parameters: Floats
     covariance: Floats
 
     @property
     def sided(self) -> Self:
-        """The same curves with q > 0 in the middle: the scan the other way round."""
+        """The same curves with q > 0 in the middle, by reversing the direction of the scan."""
         if _halves(self.parameters)[1][0] >= 0:
             return self
         sign = np.ones(self.parameters.size)
@@ -53,11 +53,13 @@ class ScanFit(NamedTuple):
         turned[ANGLE] += np.pi
         return self._replace(parameters=turned, covariance=self.covariance * np.outer(sign, sign))
 
-    def spread(self, told: Callable[[Floats], Floats]) -> Floats:
-        """Return the standard deviations of what the parameters tell, to first order."""
+    def spread(self, function: Callable[[Floats], Floats]) -> Floats:
+        """Return the standard deviations of a function of the parameters, to first order."""
         step = STEP * np.maximum(np.abs(self.parameters), 1e-2)
         moves = np.diag(step)[np.diag(self.covariance) > 0]
-        slope = np.array([(told(self.parameters + h) - told(self.parameters - h)) / (2 * h.sum()) for h in moves])
+        slope = np.array(
+            [(function(self.parameters + h) - function(self.parameters - h)) / (2 * h.sum()) for h in moves]
+        )
         free = np.diag(self.covariance) > 0
         return np.asarray(np.sqrt(np.einsum("ik,ij,jk->k", slope, self.covariance[np.ix_(free, free)], slope)))
 
@@ -75,8 +77,8 @@ def curves(parameters: Floats, along: Floats) -> Floats:
 def fit_scan(places: Floats, scan: Floats, angle: float | None) -> ScanFit:
     """Return the fit to T_x, T_y and S_n (3, n) at places in samples; ``angle``: the scan's direction to begin with.
 
-    None where the scan is along x, right over the taxel, and T_y is not known. Each signal counts by the noise that it
-    has beyond the fit; terms are added while they lower Schwarz's criterion.
+    None where the scan is along x, right over the taxel, and T_y is not known. Signals are weighed by their
+    residuals; terms are added while they lower Schwarz's criterion.
     """
     used = np.array([True, angle is not None, True])
     fixed = [] if angle is not None else [ANGLE, ASIDE, OFFSETS.stop - 1]
@@ -113,7 +115,7 @@ def _halves(parameters: Floats) -> tuple[Floats, Floats]:
 
 
 def _read(parameters: Floats, places: Floats) -> Floats:
-    """Return T_x, T_y and S_n (3, n) as the curves have them."""
+    """Return T_x, T_y and S_n (3, n) of the curves."""
     along, across, normal = curves(parameters, (places - parameters[MIDDLE]) / parameters[DEPTH])
     cos, sin = np.cos(parameters[ANGLE]), np.sin(parameters[ANGLE])
     x, y = parameters[OFFSETS]
@@ -121,7 +123,7 @@ def _read(parameters: Floats, places: Floats) -> Floats:
 
 
 def _fitted(start: Floats, free: Flags, places: Floats, scan: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Return the best parameters from a start on, and the sum of squares (3,) that each signal has beyond them."""
+    """Return the best parameters from a start on, and the sum of squared residuals (3,) of each signal."""
     used = weights > 0
 
     def rest(values: Floats) -> Floats:
@@ -137,13 +139,13 @@ def _fitted(start: Floats, free: Flags, places: Floats, scan: Floats, weights: F
 
 
 def _weights(left: Floats, used: Flags) -> Floats:
-    """Return what each signal counts by, for what it has beyond the fit."""
+    """Return the weights of the signals from their residuals ``left`` (3,)."""
     least = SUREST * float(left[used].max())
     return np.asarray(np.sqrt(least / np.maximum(left, least))) if least > 0 else np.ones(left.size)
 
 
 def _covariance(parameters: Floats, free: Flags, places: Floats, scan: Floats, used: Flags) -> Floats:
-    """Return the covariance of the parameters, for what each signal has beyond the fit."""
+    """Return the covariance of the parameters, from the residuals of each signal."""
     left = ((_read(parameters, places) - scan) ** 2).sum(axis=1)
     weights = _weights(left, used) * used
     step = STEP * np.maximum(np.abs(parameters), 1e-2)
@@ -163,7 +165,7 @@ def _covariance(parameters: Floats, free: Flags, places: Floats, scan: Floats, u
 
 
 def _amplitudes(places: Floats, scan: Floats, shape: Floats, terms: int, used: Flags) -> Floats:
-    """Return the parameters with these four of which the others are best."""
+    """Return the parameters with these four, the others by linear least squares."""
     columns = np.eye(3 + 2 * terms)
     table = np.array([_read(np.concatenate([shape, column]), places)[used].ravel() for column in columns]).T
     return np.concatenate([shape, np.linalg.lstsq(table, scan[used].ravel(), rcond=None)[0]])
@@ -175,8 +177,10 @@ def _start(scan: Floats, angle: float, used: Flags) -> tuple[float, float]:
     at, best = np.arange(count, dtype=np.float64), (np.inf, 0.0, 1.0)
     for depth in np.geomspace(0.5, count, WIDTHS):
         reach = np.arange(-count + 1, count) / depth
-        shape = (reach**2 - 2) * (1 + reach**2) ** -2.5  # the stress has its peak there, too
-        alike = np.abs(fftconvolve(scan[2], shape[::-1], mode="valid"))  # a direct one of a long scan takes seconds
+        shape = (reach**2 - 2) * (1 + reach**2) ** -2.5  # the stress peaks at the same place
+        alike = np.abs(
+            fftconvolve(scan[2], shape[::-1], mode="valid")
+        )  # direct convolution of a long scan takes seconds
         place = float(alike.argmax())
         near = _amplitudes(at, scan, np.array([place, depth, angle, 0.0]), 1, used)
         left = float(((_read(near, at) - scan)[used] ** 2).sum())

@@ -1,4 +1,4 @@
-"""Normal-to-shear sensitivity beta_ns of a taxel: a scan over it fitted as a whole, then the extrema of the fit."""
+"""Normal-to-shear sensitivity beta_ns of a taxel from the extrema of curves fitted to a scan."""
 
 from dataclasses import dataclass
 
@@ -13,16 +13,16 @@ EXTREMA_RATIO = 25 * np.sqrt(5) / 24
 """|u_zz(x = 0)| / |u_xz(x = z / 2)| on the line y = 0 under a normal load: eq. (18)."""
 FINE = {"xatol": 1e-10}
 LEAST = 11
-"""Fewer samples than that are no scan."""
+"""Least number of samples of a scan."""
 SURE = 5.0
-"""beta_ns must be so many of its standard deviations large."""
+"""Least ratio of beta_ns to its standard deviation."""
 BEYOND = 0.6
-"""The scan must reach so many depths to either side of the taxel: the extrema of the shear are at half a depth."""
+"""Least reach [depths] of the scan on either side of the taxel: the extrema of the shear are at half a depth."""
 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """beta_ns and its standard deviation; negative where the shear is wired the other way round."""
+    """beta_ns and its standard deviation; negative for shear of opposite sign."""
 
     beta: float
     sigma: float
@@ -33,8 +33,8 @@ def beta_from_scan(shear: ArrayLike, normal: ArrayLike) -> Sensitivity:
 
         beta_ns = (|S_n|max / |T_x|max) / (25 sqrt(5) / 24)
 
-    The maxima are those of smooth curves through all samples (`tactile.calibration.scan_fit`), so that noise is
-    averaged and not sought out. The sign is that of a scan toward growing x.
+    The maxima are those of smooth curves through all samples (`tactile.calibration.scan_fit`), so noise is averaged.
+    The sign is that of a scan toward growing x.
 
     Arguments: ``shear``, ``normal`` (n,) readings T_x, S_n at equally spaced places along the scan.
 
@@ -53,7 +53,7 @@ def beta_from_scan(shear: ArrayLike, normal: ArrayLike) -> Sensitivity:
 
 
 def scaled(t: Floats, s: Floats) -> tuple[float, float]:
-    """Return the swing of the shear (n,) along a scan, and the largest normal reading (n,).
+    """Return the range of the shear (n,) along a scan, and its largest normal reading (n,).
 
     Raises:
         InputError: numbers that are not finite, too few, no signal.
@@ -89,7 +89,7 @@ def sensitivity(fit: ScanFit, last: float, unit: float) -> Sensitivity:
 
 
 def extrema(parameters: Floats) -> float:
-    """Return beta_ns of curves right over the taxel, as they are scaled."""
+    """Return beta_ns of curves along the line over the taxel, in their own units."""
     over = parameters.copy()
     over[ASIDE] = 0.0
     half = (parameters.size - CURVES + 1) // 2

@@ -1,4 +1,4 @@
-"""Stillness of a block of frames: whether the array moves or is touched meanwhile, or wanders by noise of its own."""
+"""Stillness of a block of frames: whether the array moves or is touched, or only has slow noise."""
 
 from dataclasses import dataclass
 
@@ -9,23 +9,23 @@ from tactile.core.frame import NORMAL
 from tactile.core.noise import Noise, spread
 
 PARTS = 4
-"""Still: the means of so many parts of a block agree."""
+"""Parts of a block whose means are compared."""
 MUCH = 4.0
-"""Half of the taxels may wander on their own; one that is pressed meanwhile by up to so many times as much."""
+"""Half of the taxels may drift by the limit; one that is increasingly pressed by so many times as much."""
 WANDER = 7.0
-"""Times the jitter of a taxel, or its noise within a part, that its mean may wander in a block and still be called
-still; 8 is what a load comes to that grows evenly all the time, slow noise alone mostly to 3 to 6."""
+"""Largest drift of a mean within a still block, over the taxel's jitter or noise within a part. A load that grows
+linearly gives 8, slow noise mostly 3 to 6."""
 NEWEST = 5
-"""Frames that are asked whether a load begins; as many before them count for neither side."""
+"""Newest frames, which are compared with earlier ones; as many between them are skipped."""
 BEGINS = 8.0
-"""Sigma by which a taxel must be pressed where a load begins."""
+"""Standard deviations by which a load must press a taxel at its onset."""
 
 
 @dataclass(frozen=True)
 class Stillness:
-    """What a block is: ``still`` or not; ``far``: how far means move, 1 where it is too far; its ``first`` part's mean.
+    """Whether a block is ``still``; ``far``: how far means move, over the limit; ``first``: mean of the first part.
 
-    ``within`` (rows, cols, 3): noise within the parts, which neither slow noise nor a load that grows is part of.
+    ``within`` (rows, cols, 3): noise within the parts, without slow noise and growing loads.
     """
 
     still: bool
@@ -39,7 +39,7 @@ def judge(block: Floats, noise: Noise, limit: Floats, inward: float | Floats) ->
 
     Args:
         block: Frames; NaN where a taxel did not read.
-        noise: Noise that was measured of them.
+        noise: Noise of these frames.
         limit: Dead bands (3,) or (rows, cols, 3) [unit of the frames], of which means may move by half.
         inward: Sign of a pressing load, one or (rows, cols).
     """
@@ -47,12 +47,12 @@ def judge(block: Floats, noise: Noise, limit: Floats, inward: float | Floats) ->
     parts = np.array([np.nanmean(part, axis=0) for part in split])
     within = np.median([spread(part) for part in split], axis=0)
     least = np.maximum(limit / 2, WANDER * np.maximum(noise.jitter, within))
-    # one without readings is still; taxels with slow noise of their own are not an array that moves
+    # a taxel without readings is still; slow noise of some taxels is no motion of the array
     far = (parts.max(axis=0) - parts.min(axis=0)) / least
     pressed = (inward * (parts - parts[0])[..., NORMAL]).max(axis=0) > least[..., NORMAL]
     touched = bool((pressed & (far > MUCH).any(-1)).any())
     wanders = 2 * (far > 1).any(-1).sum() > max(far.shape[0] * far.shape[1], 2)
-    # together taxels tell a load that each hides in its noise; what is alike on most is drift, or told above
+    # the sum shows a load that is within the noise of each taxel; a change common to most taxels is drift
     press = inward * block[..., NORMAL]
     alone = press - np.nanmedian(press, axis=(1, 2), keepdims=True)
     whole = [np.nansum(part, axis=(1, 2)) for part in np.array_split(alone, PARTS)]

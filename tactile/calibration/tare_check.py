@@ -1,4 +1,4 @@
-"""Check of a tare: how much was taken away, and whether the array was loaded or moving meanwhile."""
+"""Check of a tare: how much was subtracted, and whether the array was loaded or moving."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,27 +10,28 @@ from tactile.core.frame import NORMAL, Quantity, TaxelArray
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
 PARTS = 10
-"""Parts of the stretch whose means are compared: noise of single frames is no movement."""
+"""Parts of the tare whose means are compared: noise of single frames is no movement."""
 LARGE = 4.0
-"""Dead bands of one taxel from which on what is taken away is no small offset any more, nor its movement noise."""
+"""Dead bands of one taxel from which an offset may be a load, and a change is a movement."""
 BOTH = 2.0
-"""Dead bands by which two taxels have to move."""
+"""Dead bands from which a change of two taxels is a movement."""
 SPREAD = 3.0
-"""Dead bands, times the root of the number of taxels, from which on their sum is none: offsets have either sign."""
+"""Dead bands, times the root of the number of taxels, from which a sum of offsets may be a load: offsets have either
+sign."""
 UNITS: dict[Quantity, tuple[float, str]] = {"force": (1.0, "N"), "strain": (1e3, "‰"), "stress": (1e-3, "kPa")}
-"""Factor and unit in which people read a quantity."""
+"""Factor and unit for display."""
 CURE = "record some frames with nothing touching first, or choose --tare N (0 for none)"
 
 
 @dataclass(frozen=True)
 class TareCheck:
-    """What a tare took away from one finger, in the unit of the array's quantity.
+    """Offset that a tare subtracted from one finger, in the unit of the array's quantity.
 
     ``frames`` averaged over ``seconds`` [s]; ``normal``: the pressing of all taxels together, ``shear``: the length of
-    their shear together, ``largest``: the largest component of a single taxel, over its dead band; ``moved``: the most
-    that a component of a taxel moved between tenths of the stretch; ``below``: by how much later readings together
-    fell below the tare, as only those of a finger that was pressed meanwhile do; ``loaded`` and ``moving`` say whether
-    that is more than offsets and noise are.
+    their shear together, ``largest``: the largest component of a single taxel, over its dead band; ``moved``: largest
+    change of a component of a taxel between tenths of the tare; ``below``: by how much the sum of later readings fell
+    below the tare, which shows that the finger was pressed; ``loaded`` and ``moving``: whether these exceed usual
+    offsets and noise.
     """
 
     finger: str
@@ -48,18 +49,18 @@ class TareCheck:
 
     @property
     def words(self) -> str:
-        """What was taken away, and what is wrong with it, in a line."""
+        """The subtracted offset and the warning, in one line."""
         what = f"{self.amount} taken away, the mean of {self.frames} frames ({self.seconds:.3g} s)"
         return what if not self.warning else f"{what}; {self.warning}"
 
     @property
     def amount(self) -> str:
-        """The pressing and the shear that were taken away."""
+        """The normal and the shear offset."""
         return f"{self._measure(self.normal)} normal, {self._measure(self.shear)} shear"
 
     @property
     def warning(self) -> str:
-        """What is wrong, and what to do; empty where all is well."""
+        """What is wrong, and what to do; empty if nothing is."""
         found = []
         if self.below:
             found.append(f"pressed meanwhile: later readings fall {self._measure(self.below)} below it")
@@ -67,22 +68,22 @@ class TareCheck:
             found.append("loaded meanwhile, or an offset of that size")
         if self.moving:
             found.append(f"moving meanwhile, a taxel by {self._measure(self.moved)}")
-        told = f"{' and '.join(found)}: {CURE}" if found else ""
+        warning = f"{' and '.join(found)}: {CURE}" if found else ""
         if not self.late:
-            return told
+            return warning
         before = f"taken only after {self.late:.3g} s, before which there are no readings, nor events"
-        return f"{before}; {told}" if told else f"{before}: {CURE}"
+        return f"{before}; {warning}" if warning else f"{before}: {CURE}"
 
     def _measure(self, value: float) -> str:
         return measure(value, self.quantity)
 
     def then(self, lowest: float, taxels: int) -> "TareCheck":
-        """Return the check after the later readings, whose pressing together was ``lowest`` at the least."""
+        """Return the check after later readings, whose total normal force was ``lowest`` at least."""
         limit = max(LARGE, SPREAD * taxels**0.5) * CONTACT[self.quantity].dead_band
         return replace(self, below=-lowest, loaded=True) if lowest < -limit else self
 
     def plain(self) -> dict[str, Any]:
-        """Return the figures as plain data."""
+        """Return the figures as plain data for JSON."""
         unit = {"force": "N", "strain": "1", "stress": "Pa"}[self.quantity]
         return {
             "frames": self.frames, "seconds": self.seconds, "unit": unit, "normal": self.normal, "shear": self.shear,
@@ -92,7 +93,7 @@ class TareCheck:
 
 
 def measure(value: float, quantity: Quantity) -> str:
-    """Return a value as people read it, with its unit."""
+    """Return a value for display, with its unit."""
     factor, unit = UNITS[quantity]
     return f"{round(value * factor, 2) + 0.0:.2f} {unit}"  # no -0
 

@@ -1,4 +1,4 @@
-"""Taxel gains as a TOML file: a matrix and its deviations for every taxel."""
+"""TOML file of taxel gains: a matrix and its standard deviations for every taxel."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -21,7 +21,7 @@ AXES = 3
 
 
 def taxel_gains(table: Mapping[str, Any], where: str) -> TaxelGains:
-    """Return the gains that a calibration's table holds.
+    """Return the gains of a calibration's table.
 
     Raises:
         InputError: an unknown or missing key, a wrong type or value, a taxel missing or there twice.
@@ -77,7 +77,7 @@ def _square(table: Mapping[str, Any], key: str, where: str, default: Any = None)
 
 
 def write_taxel_gains(path: Path, made: TaxelGains) -> None:
-    """Write the gains, to be read by people as well.
+    """Write the gains as TOML.
 
     Raises:
         InputError: the file cannot be written.

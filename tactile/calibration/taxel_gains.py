@@ -1,4 +1,4 @@
-"""Taxel gains: a matrix for every taxel, which turns its readings into its quantity without cross-talk of the axes."""
+"""Gain matrices of the taxels, which convert readings to the array's quantity and remove cross-talk of the axes."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +14,7 @@ class TaxelGains:
     """The linear coefficients of every taxel of an array: u = M (T_x, T_y, S_n), M (3, 3) of its own.
 
     Arguments: ``matrix`` (rows, cols, 3, 3) [unit of the ``quantity`` per unit of the reading]; ``sigma``: their
-    standard deviations, 0 for those that are held at 0.
+    standard deviations, 0 for entries fixed at 0.
 
     Raises:
         InputError: shapes that do not match, numbers that are not finite, a taxel without a normal gain.
@@ -42,7 +42,7 @@ class TaxelGains:
 
     @property
     def normal(self) -> float:
-        """The median taxel's normal gain, whose sign says whether a pressing load reads as one."""
+        """Normal gain of the median taxel; its sign is that of the reading of a pressing load."""
         return float(np.median(self._diagonal[..., NORMAL]))
 
     def __call__(self, values: Floats) -> Floats:
@@ -50,9 +50,9 @@ class TaxelGains:
         return np.asarray((self.matrix @ values[..., None])[..., 0])
 
     def spread(self, sigma: Floats) -> Floats:
-        """Return the standard deviations of the quantity for those of the readings, which err on their own."""
+        """Return the standard deviations of the quantity for independent errors of the readings."""
         return np.asarray(np.sqrt((self.matrix**2 @ (sigma**2)[..., None])[..., 0]))
 
     def readings(self, limit: Floats) -> Floats:
-        """Return the sizes (rows, cols, 3) of readings that make these (3,) of the quantity."""
+        """Return the absolute readings (rows, cols, 3) that correspond to ``limit`` (3,) of the quantity."""
         return np.asarray(limit / np.abs(self._diagonal))

@@ -1,4 +1,4 @@
-"""Known loads of a calibration, a CSV table of when each was there, and what the taxels read meanwhile."""
+"""Known loads of a calibration from a CSV table with their times, and the mean readings under each."""
 
 import csv
 from io import StringIO
@@ -16,11 +16,11 @@ TIMES = "from_s", "to_s"
 FORCES = "q_n", "r_n", "f_n"
 PLACE = "x_mm", "y_mm"
 MOVES = 0.05
-"""Share of the largest reading by which the two halves of a stretch may differ."""
+"""Share of the largest reading by which the two halves of an interval may differ."""
 
 
 def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
-    """Return the stretches of time (n, 2) [s] and the loads that a table holds, a row each.
+    """Return the intervals (n, 2) [s] and the loads of a table, one a row.
 
     Columns: ``from_s``, ``to_s``; ``grams`` or ``f_n``; ``q_n``, ``r_n`` where there is shear; ``x_mm``, ``y_mm``.
 
@@ -67,23 +67,23 @@ def _number(row: dict[str, str], name: str, line: int, path: Path) -> float:
 
 
 def steady_means(t: Floats, values: Floats, times: Floats, where: str) -> Floats:
-    """Return the mean readings (m, rows, cols, 3) of each stretch of time (m, 2) [s].
+    """Return the mean readings (m, rows, cols, 3) of the intervals ``times`` (m, 2) [s].
 
     Arguments: ``t`` (n,) [s]; ``values`` (n, rows, cols, 3), NaN where a taxel did not read.
 
     Raises:
-        InputError: a stretch without readings of every taxel, or in which they move.
+        InputError: an interval without readings of every taxel, or in which they move.
     """
     means = []
     for start, stop in times:
         use = values[(t >= start) & (t <= stop)]
-        said = f"{where}: {start:g} to {stop:g} s"
+        name = f"{where}: {start:g} to {stop:g} s"
         if len(use) < 2 or np.isnan(use).all(axis=0).any():
-            raise InputError(f"{said}: {len(use)} frames, at least 2 with readings of every taxel wanted")
+            raise InputError(f"{name}: {len(use)} frames, at least 2 with readings of every taxel wanted")
         first, second = (np.nanmean(part, axis=0) for part in np.array_split(use, 2))
         error = np.nanstd(use, axis=0) / np.sqrt(len(use))
         far = np.abs(second - first) - 6 * error
         if far.max() > MOVES * np.abs(use).max():
-            raise InputError(f"{said}: the readings move by {far.max():.3g}; a load that lies still meanwhile wanted")
+            raise InputError(f"{name}: the readings move by {far.max():.3g}; a load that lies still meanwhile wanted")
         means.append(np.nanmean(use, axis=0))
     return np.array(means)

@@ -8,7 +8,7 @@ const real tiny = FLT_MIN;
 #endif
 const real far = (real)1e-6; // FAR
 
-// with no load at all a harmless direction
+// without a load a fixed direction avoids 0/0
 const int finite = (in_xz - in_xz == 0) & (in_yz - in_yz == 0) & (in_zz - in_zz == 0);
 real x = finite ? in_xz : 0, y = finite ? in_yz : 0, z = finite ? in_zz : 0;
 real largest = fabs(x) > fabs(y) ? fabs(x) : fabs(y);

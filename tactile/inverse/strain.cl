@@ -1,5 +1,5 @@
 // Taxel inverse for strain, `tactile.inverse.taxel.invert_strain` for one cell: u_xz, u_yz, u_zz; depth, modulus, floor,
-// pressing in; dx, dy, force, validity out. Without branches, so that a compiler makes vectors of it.
+// pressing in; dx, dy, force, validity out. Without branches, so that compilers vectorise it.
 
 const real a2 = x * x + y * y, b = fabs(z), m = 3 * b + sqrt(9 * b * b + 8 * a2);
 const int straight = a2 <= far * far * b * b;

@@ -1,5 +1,5 @@
 // Taxel inverse for stress, `tactile.inverse.taxel.invert_stress` for one cell: s_xz, s_yz, s_zz; depth, floor
-// in; dx, dy, force, validity out. Without branches, so that a compiler makes vectors of it.
+// in; dx, dy, force, validity out. Without branches, so that compilers vectorise it.
 
 const int reachable = fabs(z) > far;
 const real over_z = 1 / (reachable ? z : 1), across = x * over_z, along = y * over_z;

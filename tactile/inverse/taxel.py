@@ -1,4 +1,4 @@
-"""Taxel inverse: from three strains or stresses at one point to the place and the size of the load.
+"""Taxel inverse: place and size of a point load from the three strains or stresses at one point.
 
 Source: Vasarhelyi, Fodor, Roska, eqs (2) to (11), in forms that hold everywhere: (5) as printed cancels right
 above the taxel and (8) is 0/0 on the ring rho = sqrt(2) z. Here every sum has terms of one sign.
@@ -9,12 +9,12 @@ b = |u_zz| and m = 3 b + sqrt(9 b^2 + 8 a^2):
     sqrt(t_in) = 4 a / m,   sqrt(t_out) = m / (2 a)    the roots of (4), inside and outside the ring
     |s| / z = (4 pi E z^2 / 3) (t + 1)^(3/2) (3 sqrt(t) a + |t - 2| b) / (t + 4)
 
-Divisions and square roots are what takes time here: with sqrt(t) = a n / d and p = a^2 n^2 + d^2 (t + 1 = p / d^2),
+Divisions and square roots take most of the time: with sqrt(t) = a n / d and p = a^2 n^2 + d^2 (t + 1 = p / d^2),
 q = a^2 n^2 + 4 d^2, the one reciprocal 1 / (d q) gives 1 / d and (t + 1)^(3/2) / (t + 4) = p^(3/2) / (d q).
 
 One strain taxel cannot tell the sign of s. For s > 0 it lies on the side that (u_xz, u_yz) points to, and
 u_zz < 0 means inside; for s < 0 (a pull, or strong shear) azimuth and region swap. A stress taxel can: the
-sign of sigma_zz is that of -s, and there is one candidate only.
+sign of sigma_zz is that of -s, and there is a single candidate.
 """
 
 from importlib import import_module
@@ -30,11 +30,11 @@ from tactile.inverse.validity import FAR, Validity
 def invert_strain(
     u_xz: Array, u_yz: Array, u_zz: Array, depth: float, modulus: float, floor: float, pressing: float
 ) -> Planes:
-    """Return the planes (dx, dy, force, validity) of the load that each strain taxel feels.
+    """Return the planes (dx, dy, force, validity) of the load that each strain taxel measures.
 
     ``dx``, ``dy`` [m]: the load's place minus the taxel's; ``force`` [N]: s / z = (Q x + R y + F z) / z, which is
     F for a normal load; ``validity``: ``Validity`` as a number. All in the dtype of the inputs, 0 where there is
-    no answer, so that no NaN goes on into a program.
+    no answer, so that programs receive no NaN.
 
     Arguments: strains of any one shape; ``depth`` z [m]; ``modulus`` E [Pa]; ``floor``: the largest |strain| that
     counts as no load (0: only exact zeros); ``pressing``: 1 where s > 0 is known (a pressing load without shear,
@@ -51,7 +51,7 @@ def invert_strain(
         b = np.abs(z)
         m = 3 * b + np.sqrt(9 * b * b + 8 * a2)
         straight = a2 <= number(FAR * FAR) * b * b
-        # the sign of s: as given, save that a load straight above must be inside
+        # sign of s: as given, except that a load straight above must be inside
         sign = np.where((pressing == 0) & straight & (z > 0), number(-1), number(-1 if pressing < 0 else 1))
         inside = sign * z < 0
         n = np.where(inside, number(4), m)
@@ -73,7 +73,7 @@ def invert_strain(
 
 
 def invert_stress(s_xz: Array, s_yz: Array, s_zz: Array, depth: float, floor: float) -> Planes:
-    """Return the planes (dx, dy, force, validity) of the load that each stress taxel feels.
+    """Return the planes (dx, dy, force, validity) of the load that each stress taxel measures.
 
     With the taxel's (x, y) = z (sigma_xz, sigma_yz) / sigma_zz seen from the load,
 
@@ -114,14 +114,14 @@ def _scaled(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array, Array, A
     largest = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(z))
     some = largest >= np.finfo(x.dtype).tiny
     over = one / np.where(some, largest, one)
-    # with no load at all, a harmless direction keeps 0/0 out of what follows
+    # without a load a fixed direction avoids 0/0 below
     return x * over, y * over, np.where(some, z * over, -one), np.where(some, largest, zero), finite
 
 
 def _answer(
     dx: Array, dy: Array, force: Array, region: Array, possible: Array, loaded: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Mark the taxels without an answer and put 0 there."""
+    """Mark the taxels without an answer and set their planes to 0."""
     zero = dx.dtype.type(0)
     answered = possible & loaded
     validity = np.where(possible, region, dx.dtype.type(Validity.INVALID))
@@ -141,7 +141,7 @@ def _opencl(name: str, letter: str) -> str:
 
 STRAIN_INVERSE = Cellwise(
     "strain-inverse",
-    "the point load over an elastic half-space that a strain taxel feels",
+    "the point load over an elastic half-space that a strain taxel measures",
     ("u_xz", "u_yz", "u_zz"),
     ("dx", "dy", "force", "validity"),
     ("depth", "modulus", "floor", "pressing"),
@@ -151,7 +151,7 @@ STRAIN_INVERSE = Cellwise(
 )
 STRESS_INVERSE = Cellwise(
     "stress-inverse",
-    "the point load over an elastic half-space that a stress taxel feels",
+    "the point load over an elastic half-space that a stress taxel measures",
     ("s_xz", "s_yz", "s_zz"),
     ("dx", "dy", "force", "validity"),
     ("depth", "floor"),

@@ -1,8 +1,8 @@
-"""Taxel inverse, compiled: ``tactile.inverse.taxel`` operation for operation, a block of cells at a time.
+"""Taxel inverse, compiled: the operations of ``tactile.inverse.taxel`` in the same order, in blocks of cells.
 
-Written without branches, so that LLVM makes vector code of it, and in several loops over a block: of one long chain of
-roots and divisions a processor has hardly two cells under way. What one loop hands to the next lies in one small array,
-and none writes more than two planes: with four LLVM would have to prove that none overlaps another, and gives up.
+The loops have no branches, so that LLVM vectorises them. Each block passes several short loops, since a processor
+overlaps few cells of one long chain of roots and divisions. Intermediate values are in one small array, and no loop
+writes more than two planes: LLVM cannot prove that four do not overlap.
 """
 
 import math
@@ -15,14 +15,13 @@ from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.validity import FAR, Validity
 
 BLOCK = 256
-"""Cells in a block. Memory takes four results of 1 KiB by turns as fast as one long one, but not of 4 KiB: with blocks
-of 1024 cells ten million taxels take half as long again."""
+"""Cells in a block: with 1024 cells ten million taxels take 1.5 times as long."""
 X, Y, Z, LARGEST, ROOT, LENGTH = (row * BLOCK for row in range(6))
-"""Where rows of a block begin in what the loops hand on: the signals over the largest of them, that largest (-1: not
-finite), the root m, and what x and y are multiplied by (0: no answer)."""
+"""Rows of the intermediate array: the signals over the largest of them, that largest (-1: not finite), the root m, and
+the factor of x and y (0: no answer)."""
 WORK = 6 * BLOCK
 SERIAL_BELOW = 8192
-"""Fewer cells than this are done before the threads have woken up."""
+"""Number of cells from which threads pay."""
 
 INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
 AMBIGUOUS, INVALID = float(Validity.AMBIGUOUS), float(Validity.INVALID)
@@ -55,7 +54,7 @@ def _scaled_block(x, y, z, work, tiny):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _handed_on(work, i, zero):  # type: ignore[no-untyped-def]
+def _intermediate(work, i, zero):  # type: ignore[no-untyped-def]
     largest = work[i + LARGEST]
     finite = largest >= zero
     return work[i + X], work[i + Y], work[i + Z], largest if finite else zero, finite
@@ -87,7 +86,7 @@ def _strain_block(work, force, validity, scale, depth, floor, pressing):  # type
     known = pressing != 0
     given = -one if pressing < 0 else one
     for i in range(force.size):
-        x, y, z, largest, finite = _handed_on(work, i, zero)
+        x, y, z, largest, finite = _intermediate(work, i, zero)
         a2 = x * x + y * y
         b = abs(z)
         m = work[i + ROOT]
@@ -120,7 +119,7 @@ def _stress_block(work, force, validity, scale, depth, floor):  # type: ignore[n
     zero, one, two, far = number(0), number(1), number(2), number(FAR)
     in_code, out_code, invalid = number(INSIDE), number(OUTSIDE), number(INVALID)
     for i in range(force.size):
-        x, y, z, largest, finite = _handed_on(work, i, zero)
+        x, y, z, largest, finite = _intermediate(work, i, zero)
         reachable = abs(z) > far
         over_z = one / (z if reachable else one)
         across = x * over_z
@@ -140,7 +139,7 @@ def _places(work, dx, dy):  # type: ignore[no-untyped-def]
     zero = work.dtype.type(0)
     for i in range(dx.size):
         length, x, y = work[i + LENGTH], work[i + X], work[i + Y]
-        x, y = length * x, length * y  # before the choice, so that it is none for the loads
+        x, y = length * x, length * y  # before the choice, so that LLVM vectorises it
         dx[i] = x if length != zero else zero
         dy[i] = y if length != zero else zero
 
@@ -184,54 +183,33 @@ def _stress_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers)
         stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers)
 
 
-def strain_inverse(
-    u_xz: Any,
-    u_yz: Any,
-    u_zz: Any,
-    dx: Any,
-    dy: Any,
-    force: Any,
-    validity: Any,
-    depth: float,
-    modulus: float,
-    floor: float,
-    pressing: float,
-) -> None:
-    """Write the load of every strain taxel into (dx, dy, force, validity): ``tactile.inverse.taxel.invert_strain``.
+def strain_inverse(*arguments: Any) -> None:
+    """Write the load of every strain taxel, as ``tactile.inverse.taxel.invert_strain`` returns it.
 
-    All planes contiguous, of one dimension and one dtype (float32 or float64).
+    Arguments: planes u_xz, u_yz, u_zz, dx, dy, force, validity, contiguous, of one dimension and one dtype (float32 or
+    float64); depth, modulus, floor, pressing.
     """
-    number = u_xz.dtype.type
-    scale, tiny = number(4 * np.pi / 3 * modulus * depth * depth), np.finfo(number).tiny
-    numbers = scale, tiny, number(depth), number(floor), number(pressing)
-    planes = u_xz, u_yz, u_zz, dx, dy, force, validity
-    blocks = -(-u_xz.size // BLOCK)
-    if u_xz.size < SERIAL_BELOW:
-        strain_blocks(*planes, 0, blocks, numbers)
-    else:
-        _strain_parallel(*planes, blocks, get_num_threads(), numbers)
+    planes, (depth, modulus, floor, pressing) = arguments[:7], arguments[7:]
+    number = planes[0].dtype.type
+    scale = number(4 * np.pi / 3 * modulus * depth * depth)
+    numbers = scale, np.finfo(number).tiny, number(depth), number(floor), number(pressing)
+    _run(strain_blocks, _strain_parallel, planes, numbers)
 
 
-def stress_inverse(
-    s_xz: Any,
-    s_yz: Any,
-    s_zz: Any,
-    dx: Any,
-    dy: Any,
-    force: Any,
-    validity: Any,
-    depth: float,
-    floor: float,
-) -> None:
-    """Write the load of every stress taxel into (dx, dy, force, validity): ``tactile.inverse.taxel.invert_stress``.
+def stress_inverse(*arguments: Any) -> None:
+    """Write the load of every stress taxel, as ``tactile.inverse.taxel.invert_stress`` returns it.
 
-    All planes contiguous, of one dimension and one dtype (float32 or float64).
+    Arguments: planes s_xz, s_yz, s_zz and four results, as those of `strain_inverse`; depth, floor.
     """
-    number = s_xz.dtype.type
+    planes, (depth, floor) = arguments[:7], arguments[7:]
+    number = planes[0].dtype.type
     numbers = number(2 * np.pi / 3 * depth * depth), np.finfo(number).tiny, number(depth), number(floor)
-    planes = s_xz, s_yz, s_zz, dx, dy, force, validity
-    blocks = -(-s_xz.size // BLOCK)
-    if s_xz.size < SERIAL_BELOW:
-        stress_blocks(*planes, 0, blocks, numbers)
+    _run(stress_blocks, _stress_parallel, planes, numbers)
+
+
+def _run(blocks_of: Any, parallel: Any, planes: tuple[Any, ...], numbers: tuple[Any, ...]) -> None:
+    blocks = -(-planes[0].size // BLOCK)
+    if planes[0].size < SERIAL_BELOW:
+        blocks_of(*planes, 0, blocks, numbers)
     else:
-        _stress_parallel(*planes, blocks, get_num_threads(), numbers)
+        parallel(*planes, blocks, get_num_threads(), numbers)

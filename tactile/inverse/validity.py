@@ -3,11 +3,11 @@
 from enum import IntEnum
 
 FAR = 1e-6
-"""A smaller to larger signal ratio below this one puts the load a million depths away: no finite answer."""
+"""Ratio of the smaller to the larger signal below which the load is a million depths away: no finite answer."""
 
 
 class Validity(IntEnum):
-    """What one taxel's answer is worth; a plane carries it as a float."""
+    """Validity of a taxel's answer or of a load; planes carry it as a float."""
 
     NO_LOAD = 0
     """The largest signal is at or below the floor."""
@@ -20,4 +20,4 @@ class Validity(IntEnum):
     INVALID = 4
     """A signal is NaN or infinite, or no load at a finite distance fits."""
     NOT_ONE = 5
-    """The taxels together feel no point load, nor a few that are well apart."""
+    """The signals of all taxels fit no point load, nor a few that are well apart."""

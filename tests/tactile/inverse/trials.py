@@ -1,180 +1,204 @@
-"""Random trials of located loads against the truth: ``python -m tests.tactile.inverse.trials [--count N] [--seed K]``.
+"""Random trials of located loads: ``python -m tests.tactile.inverse.trials [--count N] [--kind KIND ...]``.
 
-Pads of 2 x 2 to 32 x 32 taxels half a depth to four depths apart and lines of them, strain and stress, noise of 1e-6
-to 3e-2 of the largest signal, one to three loads at least two depths apart, also outside the pad, and taxels that are
-stuck, dead, saturated (which is known) or clipped (which is not). Gross: a load that is told to be inside lies 0.3
-depths from any true one, or their number is wrong. Precision: places of single loads that are told to be inside over
-the Cramer-Rao bound of the taxels that read rightly; where nobody knows that some are clipped there is none.
+Kinds: sound loads; a channel of the strongest taxel that is dead (reads zero), silent (reads noise) or turned (opposite
+sign), or all three stuck at other values; readings clipped at an unknown end; a second load of 0.05 to 0.1 of the
+first, 2 to 3 depths away; a layer of 1 to 2 depths; a ball with a contact radius of up to a depth. Pads of 2 x 2 to
+16 x 16 taxels, half a depth to two depths apart, or with ``--lines`` lines of 4 to 12; strain and stress; noise of 1e-6
+to 3e-2 of the largest signal, known or not. Printed are, of the loads that are INSIDE: the part beyond 5 of their own
+standard deviations, the parts of places within 1 and 2, and the median ratio of the error to the Cramer-Rao bound over
+its value for a normal distribution. Signals are summed here, by eqs (1) and (10).
 """
 
 import argparse
-from collections import Counter, defaultdict
-from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cnnsim.support import Flags, Floats
+from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
+from tactile.elastic.medium import Medium
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
-from tests.kits.touch.pads import DEPTH, SCALE, as_row, felt, found
+from tests.kits.touch.pads import DEPTH, MODULUS, SCALE, as_row, found
+from tests.oracles.elastic.layer import layer_load
 from tests.oracles.elastic.localise import bound
 
-SHAPES = ((2, 2), (2, 3), (3, 3), (4, 4), (5, 5), (8, 8), (16, 16), (32, 32), (1, 8), (6, 1))
-GROSS = 0.3
-"""[depths]"""
+SHAPES = ((2, 2), (2, 3), (3, 3), (4, 4), (5, 5), (8, 8), (16, 16))
+LINES = ((1, 4), (1, 5), (1, 6), (1, 8), (8, 1), (1, 12), (6, 1))
+PITCHES = (0.5, 1.0, 1.0, 1.5, 2.0)
+KINDS = ("sound", "dead", "turned", "clipped", "second", "layer", "ball", "stuck", "silent")
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One trial: what was there, what was read, what was located."""
+    """One trial: what was there, what was located, and by how many of its own deviations that is off."""
 
+    kind: str
     shape: tuple[int, int]
     stress: bool
+    pitch: float
     level: float
     known: bool
-    fault: str
-    outside: bool
-    pitch: float
-    loads: NDArray[np.float64]
-    false: Flags
+    loads: Floats
     load: Load
-    ratio: Floats
+    more: float
+    named: bool
 
     @property
-    def gross(self) -> bool:
-        """Whether the answer is told to be inside and is not."""
-        if self.load.validity is not Validity.INSIDE:
-            return False
+    def inside(self) -> bool:
+        """Whether the answer is INSIDE."""
+        return self.load.validity is Validity.INSIDE
+
+    @property
+    def off(self) -> Floats:
+        """Errors (5,) of the answer nearest to the first load, 0 of a shear that a line does not measure."""
+        answers = np.array([as_row(one) for one in (self.load, *self.load.others)])
+        near = answers[np.hypot(*(answers[:, :2] - self.loads[0, :2]).T).argmin()]
+        x, y, q, r, f = self.loads[0]
+        if self.shape[0] == 1:  # lines lie on an axis: F of a load without the shear across, which feels alike
+            near[3], f, r = 0.0, f - r * y / DEPTH, 0.0
+        if self.shape[1] == 1:
+            near[2], f, q = 0.0, f - q * x / DEPTH, 0.0
+        return near - (x, y, q, r, f)
+
+    @property
+    def sigmas(self) -> Floats:
+        """Errors (5,) over their deviations, of the same answer."""
         answers = (self.load, *self.load.others)
-        off = [min(np.hypot(one.x - x, one.y - y) for x, y in self.loads[:, :2]) / DEPTH for one in answers]
-        return bool(max(off) > GROSS or len(answers) != len(self.loads))
+        k = np.argmin([np.hypot(one.x - self.loads[0, 0], one.y - self.loads[0, 1]) for one in answers])
+        return np.abs(self.off) / np.array(answers[k].sigma)
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the answer is inside and lies beyond 5 of its deviations."""
+        return self.inside and bool(self.sigmas.max() > 5)
+
+    @property
+    def over_bound(self) -> Floats:
+        """Errors (2,) of the place over the Cramer-Rao bound of all signals."""
+        noise = self.level * float(np.abs(self.forward(self.loads)).max())
+        told = (0, 1, *((2,) if self.shape[0] == 1 else (3,) if self.shape[1] == 1 else (2, 3)), 4)
+        return self.off[:2] / bound(self.forward, self.loads[0], noise, SCALE, told)[:2]
+
+    def forward(self, loads: Floats) -> Floats:
+        """Return the signals of loads on this pad."""
+        at = TaxelArray("pad", *self.shape, self.pitch * DEPTH, DEPTH).positions()
+        return point_signals(at, loads, self.stress)
 
 
-def trial(random: np.random.Generator) -> Trial:
+def point_signals(at: Floats, loads: Floats, stress: bool) -> Floats:
+    """Return what taxels (rows, cols, 2) feel of loads (k, 5) on the half-space: eq. (1), or eq. (10) for stress."""
+    signals = np.zeros((*at.shape[:2], 3))
+    for x, y, q, r, f in loads:
+        dx, dy, z = at[..., 0] - x, at[..., 1] - y, DEPTH
+        rho = dx * dx + dy * dy
+        s = q * dx + r * dy + f * z
+        if stress:
+            size = -3 * z * s / (2 * np.pi * (rho + z * z) ** 2.5)
+            signals += size[..., None] * np.stack([dx, dy, np.full_like(dx, z)], axis=-1)
+        else:
+            size = 3 * s / (4 * np.pi * MODULUS * (rho + z * z) ** 2.5)
+            signals += size[..., None] * np.stack([-3 * dx * z, -3 * dy * z, rho - 2 * z * z], axis=-1)
+    return signals
+
+
+def ball(load: Floats, radius: float) -> Floats:
+    """Return a load as Hertz spreads it over a disc: 200 equal parts on a sunflower."""
+    share = (np.arange(200) + 0.5) / 200
+    out = radius * np.sqrt(1 - (1 - share) ** (2 / 3))
+    turn = np.arange(200) * np.pi * (3 - 5**0.5)
+    parts = np.repeat(load[None], 200, axis=0)
+    parts[:, 0] += out * np.cos(turn)
+    parts[:, 1] += out * np.sin(turn)
+    parts[:, 2:] /= 200
+    return parts
+
+
+def trial(kind: str, random: np.random.Generator, shapes: tuple[tuple[int, int], ...] = SHAPES) -> Trial:
     """Draw and locate one."""
-    rows, cols = SHAPES[random.integers(len(SHAPES))]
-    pitch = DEPTH * float(random.choice([0.5, 1, 1, 2, 4]))
-    at, stress = TaxelArray("pad", rows, cols, pitch, DEPTH).positions(), bool(random.integers(2))
-    half, line = np.array([cols, rows]) * pitch / 2, min(rows, cols) == 1
-    outside = random.random() < 0.15
-    roomy = 2 * half.max() > 5 * DEPTH and rows * cols >= 25
-    count = 1 if outside or not roomy else int(random.choice([1, 1, 1, 2, 3]))
-    loads = _loads(random, count, half, outside)
-    if line:
-        loads[:, 2 if cols == 1 else 3] = 0.0
-    signals = felt(at, loads, stress)
-    level, peak = 10 ** random.uniform(-6, np.log10(3e-2)), float(np.abs(signals).max())
+    shape = shapes[random.integers(len(shapes))]
+    pitch, stress, known = float(random.choice(PITCHES)), bool(random.integers(2)), bool(random.integers(2))
+    at = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH).positions()
+    half = np.array([shape[1], shape[0]]) * pitch * DEPTH / 2
+    force, turn = random.uniform(0.1, 1), random.uniform(0, 2 * np.pi)
+    shear = force * random.uniform(0, 0.6)
+    loads = np.array([[*random.uniform(-1, 1, 2) * half, shear * np.cos(turn), shear * np.sin(turn), force]])
+    more, level = 0.0, 10 ** random.uniform(-6, np.log10(3e-2))
+    if kind in ("second", "layer"):
+        known = True
+    if kind == "second":
+        level, more = 1e-5, random.uniform(0.05, 0.1)
+        while True:
+            far, way = random.uniform(2, 3) * DEPTH, random.uniform(0, 2 * np.pi)
+            place = loads[0, :2] + far * np.array([np.cos(way), np.sin(way)])
+            if (np.abs(place) <= half + 0.5 * DEPTH).all() or half.max() < 1.6 * DEPTH:
+                break
+            loads[0, :2] = random.uniform(-1, 1, 2) * half
+        loads = np.concatenate([loads, [[*place, 0, 0, more * force]]])
+    if kind == "layer":
+        level, more = 10 ** random.uniform(-5, -2), random.uniform(1, 2)
+        medium = Medium(MODULUS, quantity="stress" if stress else "strain")
+        signals = layer_load(at, DEPTH, loads, more * DEPTH, medium)
+    elif kind == "ball":
+        more = random.uniform(0.2, 1)
+        signals = point_signals(at, ball(loads[0], more * DEPTH), stress)
+    else:
+        signals = point_signals(at, loads, stress)
+    peak, bad = float(np.abs(signals).max()), np.zeros(shape, bool)
     read = signals + random.normal(size=signals.shape) * level * peak
-    fault = str(random.choice(["none", "none", "stuck", "saturated", "clipped", "dead"])) if rows * cols > 4 else "none"
-    false, saturated = _broken(random, fault, read, peak)
-    known = bool(random.integers(2))
-    load = found(at, read, stress, level * peak if known else None, saturated)
-    ratio = np.full(2, np.nan)
-    if count == 1:
-        told = (0, 1, *((2,) if rows == 1 else (3,) if cols == 1 else (2, 3)), 4)
-        least = np.full(2, np.inf)
-        with suppress(np.linalg.LinAlgError):  # too few are left
-            least = bound(lambda p: felt(at, p, stress)[~false], loads[0], level * peak, SCALE, told)[:2]
-        if least.max() < 0.05 * DEPTH:  # else the problem is not linear within its own errors
-            ratio = (np.array(as_row(load)) - loads[0])[:2] / least
-    return Trial((rows, cols), stress, level, known, fault, outside, pitch / DEPTH, loads, false, load, ratio)
-
-
-def _loads(random: np.random.Generator, count: int, half: Floats, outside: bool) -> NDArray[np.float64]:
-    while True:
-        places = random.uniform(-1, 1, (count, 2)) * half
-        if outside:
-            axis = int(random.integers(2))
-            places[0, axis] = random.choice([-1, 1]) * (half[axis] + random.uniform(0, 2) * DEPTH)
-        gaps = [np.hypot(*(a - b)) for k, a in enumerate(places) for b in places[:k]]
-        if min(gaps, default=np.inf) >= 2 * DEPTH:
-            break
-    forces = random.uniform(0.15, 0.4, count)
-    shear = random.uniform(0, 1, count) * forces
-    turn = random.uniform(0, 2 * np.pi, count)
-    return np.column_stack([places, shear * np.cos(turn), shear * np.sin(turn), forces])
-
-
-def _broken(random: np.random.Generator, fault: str, read: Floats, peak: float) -> tuple[Flags, Flags | None]:
-    """Change readings as the fault has it, and return which are false, and which are known to be saturated."""
-    rows, cols = read.shape[:2]
-    false: Flags = np.zeros((rows, cols), bool)
-    saturated: Flags | None = None
-    row, col = random.integers(0, rows), random.integers(0, cols)
-    if fault == "stuck":
-        read[row, col] = random.normal(size=3) * peak * random.choice([0.3, 1, 3])
-        false[row, col] = True
-    elif fault == "dead":
-        read[row, col] = 0.0
-        false[row, col] = True
-    elif fault in ("saturated", "clipped"):
+    if kind in ("dead", "turned", "stuck", "silent"):
+        worst = np.unravel_index(np.abs(signals).max(axis=-1).argmax(), shape)
+        channel = int(random.integers(3))
+        if kind == "stuck":
+            read[worst] = random.normal(size=3) * peak * random.choice([0.3, 1, 3])
+        elif kind == "silent":
+            read[worst][channel] -= signals[worst][channel]
+        else:
+            read[worst][channel] *= 0.0 if kind == "dead" else -1.0
+        bad[worst] = True
+    if kind == "clipped":
         end = random.uniform(0.5, 0.9) * peak
-        false[:] = (np.abs(read) > end).any(axis=-1)
-        saturated = false if fault == "saturated" else None
-        read[:] = np.clip(read, -end, end)
-    return false, saturated
+        bad[:] = (np.abs(read) > end).any(axis=-1)
+        read = np.clip(read, -end, end)
+    load = found(at, read, stress, level * peak if known else None)
+    blamed = {*load.saturated} if kind == "clipped" else {*load.left_out, *load.saturated}
+    named = bool(bad.any()) and set(map(tuple, np.argwhere(bad).tolist())) <= blamed
+    return Trial(kind, shape, stress, pitch, level, known, loads, load, more, named)
 
 
-def report(trials: list[Trial]) -> str:
-    """Return what the trials say, a line for each way in which they were drawn."""
-    lines = []
-    ways: dict[str, Callable[[Trial], object]] = {
-        "all": lambda _: "all", "shape": lambda one: "{} x {}".format(*one.shape), "stress": lambda one: one.stress,
-        "fault": lambda one: one.fault, "known noise": lambda one: one.known, "loads": lambda one: len(one.loads),
-        "outside": lambda one: one.outside,
-        "pitch": lambda one: one.pitch, "noise": lambda one: f"1e{int(np.floor(np.log10(one.level)))}",
-    }  # fmt: skip
-    for name, way in ways.items():
-        groups = defaultdict(list)
-        for one in trials:
-            groups[way(one)].append(one)
-        for value, members in sorted(groups.items(), key=str):
-            gross = sum(one.gross for one in members)
-            sure = [one for one in members if one.load.validity is Validity.INSIDE and not one.gross]
-            sure = [one for one in sure if one.fault != "clipped"]
-            ratios = np.array([one.ratio for one in sure])
-            ratios = ratios[np.isfinite(ratios)]
-            rms = float(np.sqrt(np.mean(ratios**2))) if ratios.size else np.nan
-            q = float(np.quantile(np.abs(ratios), 0.68)) if ratios.size else np.nan
-            kept = sum(one.load.validity is Validity.INSIDE and not one.gross for one in members)
-            kinds = Counter(one.load.validity.name.lower() for one in members)
-            lines.append(
-                f"{name:12} {value!s:10} {len(members):5}  gross {gross:3} ({gross / len(members):.1%})"
-                f"  good {kept / len(members):.1%}"
-                f"  error/bound {rms:7.2f} rms {q:5.2f} of 68 %  {dict(kinds)}"
-            )
-    return "\n".join(lines)
+def line(name: str, trials: list[Trial]) -> str:
+    """Return the statistics of these trials."""
+    sure = [one for one in trials if one.inside]
+    if not sure:
+        return f"{name:24} {len(trials):5}  none inside"
+    own = np.array([one.sigmas[:2] for one in sure])
+    ratio = ""
+    if sure[0].kind == "sound":
+        ratio = f" error/bound {np.median(np.abs([one.over_bound for one in sure])) / 0.6745:.3f}"
+    return (
+        f"{name:24} {len(trials):5} inside {len(sure) / len(trials):6.1%} beyond 5 sigma "
+        f"{np.mean([one.beyond for one in sure]):5.1%} within 1 {np.mean(own < 1):.3f} within 2 {np.mean(own < 2):.3f}"
+        f"{ratio} right number {np.mean([1 + len(one.load.others) == len(one.loads) for one in sure]):.0%} named "
+        f"{np.mean([one.named for one in trials]):.0%}"
+    )
 
 
 def main() -> None:
     """Draw, locate, report."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--show", action="store_true", help="print every trial that went wrong")
+    parser.add_argument("--kind", nargs="*", default=KINDS)
+    parser.add_argument("--lines", action="store_true", help="lines of taxels, not pads")
     given = parser.parse_args()
-    trials = []
-    for n in range(given.count):
-        one = trial(np.random.default_rng((given.seed, n)))
-        trials.append(one)
-        far = (
-            one.fault != "clipped"
-            and np.isfinite(one.ratio).all()
-            and one.load.validity is Validity.INSIDE
-            and np.abs(one.ratio).max() > 5
-        )
-        if given.show and (one.gross or far):
-            print(n, one.shape, one.pitch, "stress" * one.stress, f"{one.level:.1e}", one.known, one.fault,
-                  "gross" * one.gross,
-                  np.round(one.loads[:, :2] / DEPTH, 2).tolist(), one.loads[:, 4].round(2),
-                  [(round(a.x / DEPTH, 2), round(a.y / DEPTH, 2)) for a in (one.load, *one.load.others)],
-                  one.ratio.round(1), f"misfit {one.load.misfit:.2g}", one.load.left_out,
-                  np.argwhere(one.false).tolist())  # fmt: skip
-    print(report(trials))
+    for kind in given.kind:
+        shapes, number = LINES if given.lines else SHAPES, KINDS.index(kind)
+        trials = [trial(kind, np.random.default_rng((given.seed, number, n)), shapes) for n in range(given.count)]
+        print(line(kind, trials))
+        for known in (True, False):
+            some = [one for one in trials if one.known is known]
+            if some and len(some) < len(trials):
+                print(line(f"    {'' if known else 'un'}known noise", some))
 
 
 if __name__ == "__main__":
