@@ -1,4 +1,4 @@
-"""Templates beyond the linear kind beside nine linear taps: what a tap, a place of a table, a delay cost."""
+"""Terms compared with nine linear taps: tables, delays, local weights, layers and other characteristics."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -8,7 +8,7 @@ import numpy as np
 from cnnsim import library
 from cnnsim.backends.base import Backend
 from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term, fixed
-from cnnsim.network.table import lines, steps
+from cnnsim.network.table import lines
 from cnnsim.planning.plan import make_plan
 from tests.benchmarks.dense import NINE, H, backends
 from tests.benchmarks.race import Row, race
@@ -25,12 +25,6 @@ def kinds() -> Iterator[tuple[str, AnyTemplate, Any]]:
         Template([[1.0]], terms=[Term(weak, "y_kl", lines((-1, -1), (0, 0), (0.5, 0), (1, 1)))]),
         cell,
     )
-    yield (
-        "9 differences, 3 steps",
-        Template([[1.0]], terms=[Term(weak, "y_kl - y_ij", steps([-1, 0, 1], [-1, 0, 0, 1]))]),
-        cell,
-    )
-    yield "anisotropic diffusion", library.load("perona-malik").template, cell
     yield "9 delayed taps", Template([[0.5]], terms=[Term(weak, delay=1.0)]), cell
     yield "9 taps a cell of its own", Template([[0.5]], terms=[Term(weak[..., None, None] * np.ones((N, N)))]), cell
     coupled = [Template(weak, terms=[Term([[weight]], layer=other)]) for weight, other in ((-0.5, 1), (0.5, 0))]
@@ -47,13 +41,13 @@ def transient(backend: Backend, template: AnyTemplate, cell: Any) -> Callable[[]
 
     def run() -> None:
         outcome = backend.transient(plan, x, u if template.reads_input else None)
-        backend.count(backend.convert(outcome.x, "llm"))  # waits for devices that work behind our back
+        backend.count(backend.convert(outcome.x, "llm"))  # waits for the device
 
     return run
 
 
 def against_linear(rounds: int) -> list[Row]:
-    """All kinds, in steps of a cell a second, as a share of the rate of nine linear taps."""
+    """All kinds [steps of a cell a second], as a share of the rate of nine linear taps."""
     rows = []
     for who, backend in backends().items():
         races = {"nine taps": (Template(NINE), "chua-yang"), **{name: (t, cell) for name, t, cell in kinds()}}

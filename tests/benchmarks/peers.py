@@ -1,6 +1,4 @@
-"""The same Euler steps by others: x <- x + h (-x + A*clip(x) + w), zeros around, float32. A peer not installed is left
-out and named.
-"""
+"""The same Euler steps by other packages: x <- x + h (-x + A*clip(x) + w), zeros around, float32."""
 
 from collections.abc import Callable, Iterator
 from importlib import import_module
@@ -35,33 +33,6 @@ def jax(x: Array, w: Array, a: Array, h: float, steps: int) -> Run:
     return lambda: run(start, drive).block_until_ready()
 
 
-def torch(x: Array, w: Array, a: Array, h: float, steps: int) -> Run:
-    """A loop over conv2d."""
-    torch = import_module("torch")
-
-    kernel, drive, start = torch.tensor(a)[None, None], torch.tensor(w)[None, None], torch.tensor(x)[None, None]
-
-    def run() -> None:
-        state = start
-        for _ in range(steps):
-            state = state + h * (torch.nn.functional.conv2d(state.clamp(-1, 1), kernel, padding=1) + drive - state)
-
-    return run
-
-
-def opencv(x: Array, w: Array, a: Array, h: float, steps: int) -> Run:
-    """A loop over filter2D."""
-    cv2 = import_module("cv2")
-
-    def run() -> None:
-        state = x
-        for _ in range(steps):
-            total = cv2.filter2D(np.clip(state, -1, 1), -1, a, borderType=cv2.BORDER_CONSTANT)
-            state = state + np.float32(h) * (total + w - state)
-
-    return run
-
-
 def scipy(x: Array, w: Array, a: Array, h: float, steps: int) -> Run:
     """A loop over ndimage.correlate."""
     from scipy.ndimage import correlate
@@ -90,7 +61,7 @@ _plain = njit(parallel=True, fastmath=True)(_loops)
 
 
 def numba_loop(x: Array, w: Array, a: Array, h: float, steps: int) -> Run:
-    """What one writes first: three nested loops, the outer one in parallel."""
+    """Three nested loops, the outer one in parallel."""
     padded, drive = np.pad(x, 1), np.pad(w, 1)
     other = np.zeros_like(padded)
 
@@ -103,26 +74,13 @@ def numba_loop(x: Array, w: Array, a: Array, h: float, steps: int) -> Run:
     return run
 
 
-def celnn(x: Array, w: Array, a: Array, h: float, steps: int) -> Run:
-    """CellularNetwork of the package celnn, on NumPy; the input carries w."""
-    package = import_module("celnn")
-    centre = np.zeros((3, 3))
-    centre[1, 1] = 1.0
-    settings = package.SimulationConfig(t_end=h * steps, dt=h, stability_checks=False)
-
-    def run() -> None:
-        package.CellularNetwork(w, x, a, centre, 0.0, dtype=np.float32).run(settings)
-
-    return run
-
-
-PACKAGES = {"jax": jax, "torch": torch, "cv2": opencv, "scipy": scipy, "numba": numba_loop, "celnn": celnn}
+PACKAGES = {"jax": jax, "scipy": scipy, "numba": numba_loop}
 
 
 def installed(*, fast_only: bool) -> Iterator[tuple[str, Callable[..., Run]]]:
-    """Yield the peers that are there; the slow ones are left out where they would take minutes."""
+    """Yield the installed peers, without scipy where it would take minutes."""
     for package, peer in PACKAGES.items():
-        if find_spec(package) and not (fast_only and package in ("scipy", "celnn", "torch")):
+        if find_spec(package) and not (fast_only and package == "scipy"):
             yield peer.__name__, peer
 
 
