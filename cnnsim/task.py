@@ -15,8 +15,8 @@ from cnnsim.backends.memory import cell_bytes
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.network.layers import check_template
-from cnnsim.planning.duration import Duration
 from cnnsim.planning.plan import Plan, make_plan
+from cnnsim.planning.step import Duration
 from cnnsim.recording import recorded
 from cnnsim.result import Result
 from cnnsim.support import Array, Flags, Floats, InputError

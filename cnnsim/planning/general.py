@@ -1,4 +1,4 @@
-"""The general method: which templates need it, and the scheme and step that it takes for them."""
+"""The general method: the templates that need it, and its scheme and step."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -7,16 +7,15 @@ import numpy as np
 
 from cnnsim.network import AnyTemplate, Cell, Characteristic, LayeredTemplate, layered
 from cnnsim.network.characteristic import CLIP
-from cnnsim.planning.duration import Duration
 from cnnsim.planning.network_modes import network_modes, step_bound
 from cnnsim.planning.scheme import ADAPTIVE, EULER, Scheme, find_scheme
 from cnnsim.planning.stability import fastest_turning, turning_from, usual_scheme
-from cnnsim.planning.step import DEFAULT_STEP, allowed_step, check_whole_steps, divided, timed_step
+from cnnsim.planning.step import DEFAULT_STEP, Duration, allowed_step, check_whole_steps, divided, timed_step
 from cnnsim.support import InputError
 
 
 def why_general(template: AnyTemplate, cell: Cell, periods: Sequence[float]) -> str:
-    """Return why the methods for linear templates will not do, or nothing if they will."""
+    """Return why a template needs the general method, or nothing if it does not."""
     if isinstance(template, LayeredTemplate):
         return f"{len(template.layers)} layers"
     if cell.model == "discrete-time":
@@ -34,7 +33,7 @@ def delays_of(template: AnyTemplate) -> tuple[float, ...]:
 
 
 def check_grid(network: LayeredTemplate, grid: tuple[int, int]) -> None:
-    """Raise InputError if a space-variant term has its weights for another grid."""
+    """Raise InputError if the weights of a space-variant term are for another grid."""
     for term in (term for layer in network.layers for term in layer.terms):
         if term.weights.ndim == 4 and term.weights.shape[2:] != grid:
             raise InputError(f"a term has weights for {term.weights.shape[2:]} cells; the grid has {grid}")
@@ -47,12 +46,12 @@ def decide_general(
     """Return the scheme (None: discrete time, or adaptive), the step and the decisions of the general method.
 
     Raises:
-        InputError: what does not go together.
+        InputError: choices that cannot be combined.
     """
     decisions, delays = [("general method", why)], delays_of(network)
     timed = bool(periods or delays)
     if timed and duration == "settled":
-        raise InputError("a delay, or planes that change with time: give a duration, there is no rest to wait for")
+        raise InputError("a delay, or planes that change with time: give a duration, such a network does not settle")
     if cell.model == "discrete-time":
         if scheme is not None or step not in (None, 1.0) or set(network.time_constants) != {1.0}:
             raise InputError("discrete-time cells take whole steps: no scheme, no other step, no other time constant")
@@ -80,7 +79,7 @@ def decide_general(
 
 
 def largest_jump(network: LayeredTemplate, output: Characteristic) -> float:
-    """Return the most by which a drive jumps where one table, or one output, is at the edge of a step."""
+    """Return the largest jump of a drive at the edge of a step of one table or one output."""
     jumps = [0.0]
     for layer in network.layers:
         jumps += [term.jump for term in layer.feedback_terms]

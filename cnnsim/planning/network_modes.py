@@ -1,4 +1,4 @@
-"""Stability of a network of terms: its decaying modes, linearised where functions are flattest and where steepest."""
+"""Stability of a network of terms: its modes, linearised with the smallest and the largest slopes of its functions."""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -8,9 +8,9 @@ import numpy as np
 
 from cnnsim.network import Characteristic, LayeredTemplate, Template, Term, fixed
 from cnnsim.network.term import Range
-from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import Scheme
 from cnnsim.planning.stability import Modes, coupling, decaying, limit_of
+from cnnsim.planning.step import Duration
 from cnnsim.support import Floats
 
 _SHAPES = ((1, 1), (1, 2), (2, 1), (1, 10), (10, 1), (3, 3), (6, 6))
@@ -21,9 +21,8 @@ def step_bound(network: LayeredTemplate, output: Characteristic, duration: Durat
     """Return a step below which no decaying mode can grow: Gershgorin's circles, with the tables' largest slopes.
 
     In a row of the Jacobian the centre is at least d and the rest sums up to at most R, so no decay is faster than
-    1 - min(0, d - R), over the layer's time constant. Enough, not necessary: a template may be stable with longer
-    steps. Modes that turn while they decay are computed (`network_modes`). Jumps are no part of it: at a jump Euler's
-    state swings by about step x jump and stays there.
+    1 - min(0, d - R), over the layer's time constant. This is sufficient, not necessary. Modes that oscillate while
+    they decay are computed (`network_modes`). Jumps are not included: there Euler's state swings by about step x jump.
     """
     fastest = max(
         _decay(layer, output) / time for layer, time in zip(network.layers, network.time_constants, strict=True)
@@ -36,7 +35,7 @@ def step_bound(network: LayeredTemplate, output: Characteristic, duration: Durat
 def network_modes(network: LayeredTemplate, output: Characteristic) -> Modes:
     """Return the modes on small grids with all cells in one piece.
 
-    Delayed terms and products of two arguments are left out: they are not linear in the state of now.
+    Delayed terms and products of two arguments are left out: they are not linear in the present state.
     """
     layers = len(network.layers)
     shapes = [shape for shape in _SHAPES if layers * shape[0] * shape[1] <= _MOST_CELLS] or [(1, 1)]
@@ -60,7 +59,7 @@ def _jacobian(network: LayeredTemplate, output: Characteristic, shape: tuple[int
 
 
 def _parts(term: Term, own: int, shape: tuple[int, int]) -> Iterator[tuple[str, int, Floats]]:
-    """Yield what is read, of which layer, with which weights: the neighbours, and less the centre of a difference."""
+    """Yield quantity, layer and weights that a term reads: the neighbours, and minus the centre of a difference."""
     matrix = coupling(term.weights, shape, fixed(0))
     yield term.of.neighbour, own if term.layer is None else term.layer, matrix
     if term.of.centre is not None:
@@ -88,6 +87,6 @@ def _decay(layer: Template, output: Characteristic) -> float:
 
 
 def _products(a: Range, b: Range) -> Range:
-    """The smallest and the largest product of two ranges."""
+    """Return the smallest and the largest product of two ranges."""
     found = [p * q for p, q in product(a, b)]
     return min(found), max(found)

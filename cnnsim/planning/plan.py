@@ -1,4 +1,4 @@
-"""Plan: how a transient is computed, decided from its template, and what need not be computed at all."""
+"""Plan: the method, scheme, step and savings of a transient, chosen from its template, with the reasons."""
 
 import math
 from collections.abc import Callable, Collection, Sequence
@@ -19,12 +19,19 @@ from cnnsim.network import (
 )
 from cnnsim.network.characteristic import CLIP, parse_cell
 from cnnsim.network.template import all_taps
-from cnnsim.planning.duration import Duration
 from cnnsim.planning.general import check_grid, decide_general, why_general
 from cnnsim.planning.savings import Saving, halo_of_a_step, stepped_savings, steps_a_pass
 from cnnsim.planning.scheme import ADAPTIVE, Scheme, find_scheme
 from cnnsim.planning.stability import step_limit, turning_from, turning_of, usual_scheme
-from cnnsim.planning.step import DEFAULT_STEP, allowed_step, check_count, check_step, divided, usual_step
+from cnnsim.planning.step import (
+    DEFAULT_STEP,
+    Duration,
+    allowed_step,
+    check_count,
+    check_step,
+    divided,
+    usual_step,
+)
 from cnnsim.support import Array, InputError
 from cnnsim.support.values import is_number
 
@@ -36,16 +43,16 @@ SETTLED_RATE = 1e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan:
-    """A transient, decided: everything a backend needs but the planes.
+    """The choices for a transient: everything that a backend needs except the planes.
 
     ``duration`` is a number of time constants, or ``"settled"``. Settled means that either no output can change any
     more (every free cell has |x| >= 1 and sign(x) (A*y + w) >= 1, so with frozen neighbours it stays saturated), or
     the network is at rest (|dx/dt| <= 1e-4 in every free cell). That is checked once a time constant, for
     at most ``limit`` time constants.
 
-    ``savings`` are the ways of doing less that apply here; a backend may use them and must give the same output.
-    ``decisions`` are (what, why) lines for people. The method "general" takes all kinds of template as a ``network``
-    of layers, with any ``characteristic``; ``template`` is then its first layer, a missing ``scheme`` means adaptive.
+    ``savings`` are the savings that apply; a backend may use them and must give the same output. ``decisions`` are
+    (what, why) lines for `explain`. The method "general" takes any template as a ``network`` of layers, with any
+    ``characteristic``; ``template`` is then its first layer, and a missing ``scheme`` means adaptive.
     """
 
     template: Template
@@ -70,16 +77,16 @@ class Plan:
 
     @cached_property
     def feedback_taps(self) -> tuple[Tap, ...]:
-        """The taps of A that are summed: those that are not zero, unless sparse taps are switched off."""
+        """The taps of A to sum: the nonzero ones, or all without the saving "sparse taps"."""
         return self.template.feedback_taps if "sparse taps" in self.savings else all_taps(self.template.A)
 
     def output(self, x: Array) -> Array:
-        """Return the output of a state (an array): discrete-time cells have it as their state."""
+        """Return the output of a state (an array); the state of discrete-time cells is their output."""
         return x if self.cell == "discrete-time" else self.characteristic(x)
 
     @property
     def steps(self) -> int:
-        """Steps of a fixed duration, or the most steps for ``"settled"``."""
+        """Steps of a fixed duration, or the largest number of steps for ``"settled"``."""
         time = self.limit if self.duration == "settled" else self.duration
         return math.ceil(time / self.step - 1e-9)
 
@@ -90,12 +97,12 @@ class Plan:
 
     @property
     def saturation_ends(self) -> bool:
-        """Whether cells whose drives hold them saturated stay so: no step of at most 1 leads out of saturation."""
+        """Whether saturated cells whose drives point outwards stay saturated, as they do for steps of at most 1."""
         return self.cell == "chua-yang" and self.step <= 1
 
     @property
     def depth(self) -> int:
-        """Steps a pass over the grid: up to `MOST_HALO` rows' worth, evenly divided; 1 without blocking."""
+        """Steps in one pass over the grid, with a halo of at most `MOST_HALO` rows; 1 without blocking."""
         if "blocking" not in self.savings:
             return 1
         steps = self.check_every if self.duration == "settled" else self.steps
@@ -108,7 +115,7 @@ class Plan:
 
 
 def lines_of(decisions: Sequence[tuple[str, str]]) -> str:
-    """Return what was decided and why, a line each."""
+    """Return (what, why) pairs as aligned lines of text."""
     width = max(len(what) for what, _ in decisions)
     return "\n".join(f"{what:<{width}}  {why}" for what, why in decisions)
 
@@ -129,15 +136,14 @@ def make_plan(
 ) -> Plan:
     """Decide how to run ``template`` on a grid of ``shape`` (..., rows, cols).
 
-    ``periods`` are the times for which planes are held that change with time (see `cnnsim.network.frames`); ``grey``
-    tells whether the state holds cells that are not saturated, and is asked only where the scheme hangs on it.
+    ``periods`` are the holding times of planes that change with time (see `cnnsim.network.frames`). ``grey`` returns
+    whether the state has cells that are not saturated; it is called only if the scheme depends on that.
 
     Without ``scheme`` and ``step`` the plan chooses: the closed form for uncoupled templates, else forward Euler with
     h = 0.1 or half the stability limit, whichever is less. ``without`` names savings (see `Saving`) not to use.
 
     Raises:
-        InputError: a step that cannot be stable (the message has the limit), a negative duration or limit, an unknown
-            name.
+        InputError: an unstable step (the message has the limit), a negative duration or limit, an unknown name.
     """
     kind = parse_cell(cell)
     if duration != "settled" and not (is_number(duration) and 0 <= duration < math.inf):
@@ -193,10 +199,10 @@ def make_plan(
         part = "a sixth of" if table.order >= 4 else "half"
         why = "the default" if h == DEFAULT_STEP else f"{part} the stability limit {longest:.4g} of this template"
         if turning and h == 0.5 / turning:
-            why = f"what follows modes that turn at {turning:.3g} a time constant"
+            why = f"short enough for modes that oscillate at {turning:.3g} a time constant"
     else:
         check_step(step, longest, table, "cannot be stable")
-        h, why = step, f"as asked; stable below {longest:.4g}"
+        h, why = step, f"as requested; stable below {longest:.4g}"
     h = divided(duration, h)
     decisions += [
         (f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {why}"),
@@ -211,7 +217,7 @@ def make_plan(
 
 
 def usual_limit(grid: tuple[int, int]) -> float:
-    """Return how long it is waited for rest where theory knows no time [time constants]."""
+    """Return the default limit where theory gives no running time [time constants]."""
     return 200.0 + 10.0 * sum(grid)
 
 

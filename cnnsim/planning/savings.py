@@ -1,4 +1,4 @@
-"""Savings: the ways of computing less for the same output, and which of them apply to a stepped transient."""
+"""Savings: computations that can be left out for the same output, and which apply to a stepped transient."""
 
 import math
 from collections.abc import Iterable
@@ -8,21 +8,21 @@ from cnnsim.network import CellModel, Tap, Template, reach
 from cnnsim.planning.scheme import Scheme
 
 Saving = Literal["closed form", "sparse taps", "shared sums", "blocking", "sleep"]
-"""A plan can be made without any of them, for comparison."""
+"""Each can be switched off."""
 
 MOST_HALO = 25
-"""Cells around a tile that are computed again for the steps of one pass."""
+"""Most rows and columns around a tile that are computed twice in one pass."""
 
 
 def halo_of_a_step(taps: Iterable[Tap], scheme: Scheme) -> int:
-    """Return from how far a cell's neighbours have come into its state after a step: each stage looks at them once."""
+    """Return the distance of the farthest cells that a step reads: the radius of the taps for each stage."""
     return reach((tap.k, tap.l) for tap in taps) * len(scheme.b)
 
 
 def steps_a_pass(steps: int, halo: int) -> int:
-    """Return how many of so many steps are taken while the rows of a tile are in the cache.
+    """Return how many of ``steps`` are taken in one pass, while the rows of a tile are in the cache.
 
-    Each step of a tile needs ``halo`` rows and columns more around it; `MOST_HALO` of them cost less than they save.
+    Each step of a tile needs ``halo`` more rows and columns around it; `MOST_HALO` is the limit.
     """
     most = max(1, MOST_HALO // max(halo, 1))
     return math.ceil(steps / max(1, math.ceil(steps / most)))
@@ -33,7 +33,7 @@ def stepped_savings(
 ) -> list[tuple[Saving, str]]:
     """Return the savings that apply to a stepped transient, each with its reason.
 
-    ``steps``: how many are taken, or lie between two checks whether the network has settled.
+    ``steps`` is their number, or the number between two checks whether the network has settled.
     """
     taps, entries = len(template.feedback_taps), template.A.size
     found: list[tuple[Saving, str]] = [("sparse taps", f"{taps} of the {entries} entries of A are not zero")]

@@ -1,4 +1,4 @@
-"""Integration schemes: explicit Runge-Kutta tables that check their own order. A new one goes into `SCHEMES`."""
+"""Integration schemes: explicit Runge-Kutta tables that check their own order. Add new ones to `SCHEMES`."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -55,7 +55,7 @@ class Scheme:
 
     @property
     def keeps_rates(self) -> bool:
-        """Whether a stage asks for a rate that is not of the stage before."""
+        """Whether a stage reads the rate of a stage before the previous one."""
         return any(any(row[:-1]) for row in self.a)
 
     @cached_property
@@ -69,10 +69,10 @@ class Scheme:
         return float(size[np.argmin(bounded) - 1])
 
     def gain_limit(self, modes: Array) -> float:
-        """Return the gain from which on one of some modes grows that turn while they decay: where |R(g mode)| > 1.
+        """Return the gain from which one of some decaying, oscillating modes grows: where |R(g mode)| > 1.
 
-        Where a ray leaves the region |R(z)| <= 1 depends on its angle alone. A table of angles finds the modes that
-        come first, for which the place is then computed.
+        The place at which a ray leaves the region |R(z)| <= 1 depends on its angle alone. A table of angles finds the
+        modes with the smallest gains, for which the place is then computed.
         """
         angles, sizes = self._rays
         first = np.argsort(np.interp(np.angle(modes), angles, sizes) / np.abs(modes))[:8]
@@ -85,7 +85,7 @@ class Scheme:
 
     def _ray(self, angle: float) -> float:
         """Return |z| where a ray leaves |R(z)| <= 1: R(z) = 1 + sum over j of b a^(j-1) 1 z^j, so |R|^2 - 1 along it is
-        a polynomial in |z|, of which a factor |z| is taken out.
+        a polynomial in |z|, which is divided by |z|.
         """
         powers, ones = [1.0], np.ones(len(self.b))
         for _ in self.b:
@@ -97,7 +97,7 @@ class Scheme:
         return float(crossings.min(initial=np.inf))
 
     def gain(self, h: float) -> float:
-        """Return the h that enters the table: h itself, or 1 - exp(-h) for an exponential scheme."""
+        """Return the step used in the table: h, or 1 - exp(-h) for an exponential scheme."""
         return float(-np.expm1(-h)) if self.exponential else h
 
 
@@ -110,7 +110,7 @@ RK4 = Scheme("rk4", ((), (1 / 2,), (0.0, 1 / 2), (0.0, 0.0, 1.0)), (1 / 6, 1 / 3
 
 SCHEMES = {scheme.name: scheme for scheme in (EULER, EXPONENTIAL_EULER, HEUN, RK4)}
 ADAPTIVE = "adaptive"
-"""Not a table: step control by scipy (DOP853), for reference solutions; the reference backend has it."""
+"""Step control by scipy (DOP853) instead of a table, for reference solutions on the reference backend."""
 
 
 def find_scheme(name: str) -> Scheme:

@@ -9,26 +9,26 @@ from numpy.typing import NDArray
 from cnnsim.network import Boundary, Tap, Template
 from cnnsim.network.boundary import correlate
 from cnnsim.network.weights import taps_of
-from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import EULER, RK4, Scheme
+from cnnsim.planning.step import Duration
 from cnnsim.support import Floats
 
 Modes = NDArray[np.complex128]
 """Eigenvalues of the linear region, A - I, per time constant."""
 
 _SIDES = (1, 2, 3, 5, 10, 16)
-"""Sides of the grids whose eigenvalues are taken: any group of cells may be linear while the others are saturated."""
+"""Sides of the grids whose eigenvalues are computed: any group of cells may be linear while others are saturated."""
 _MOST_CELLS = 160
 _NEUTRAL = 1e-6
-"""A mode that decays by less than this part of its modulus neither decays nor grows."""
+"""A mode whose decay is a smaller part of its modulus counts as neutral."""
 
 RUSHED = 0.4
-"""Growth over frequency from which a mode that begins between saturated cells saturates before it has turned far.
+"""Ratio of growth to frequency from which a mode between saturated cells saturates before it has turned far.
 
-0.5 in waves of connected components, of which only the places at which they begin and end are not saturated.
+It is 0.5 in the waves of connected components.
 """
 ASTRAY = 0.05
-"""Part of a mode by which steps may make it too large."""
+"""Relative error of a mode's size that steps may make."""
 
 
 def modes_of(template: Template, boundary: Boundary) -> Modes:
@@ -53,7 +53,7 @@ def _waves(taps: tuple[Tap, ...], *, symmetric: bool) -> Modes:
 
 
 def decaying(modes: Modes) -> Modes:
-    """Return those of the modes that decay, one of each complex pair, and that of a saturated cell: rate 1."""
+    """Return the modes that decay, one of each complex pair, and the mode of a saturated cell, -1."""
     modes = np.append(modes.astype(complex), -1)
     return modes[(modes.real < -_NEUTRAL * np.abs(modes)) & (modes.imag >= 0)]
 
@@ -73,7 +73,7 @@ def coupling(A: Floats, shape: tuple[int, int], boundary: Boundary) -> Floats:
 
 
 def step_limit(template: Template, boundary: Boundary, duration: Duration, scheme: Scheme) -> float:
-    """Return the step that cannot be reached: |R(h mode)| > 1 beyond it. Infinite if the scheme damps any step.
+    """Return the stability limit of the step: |R(h mode)| > 1 beyond it. Infinite if the scheme damps any step.
 
     Euler: h < 2 |Re mode| / |mode|^2, so 2 for a cell without neighbours and 1/4 for the five-point Laplacian.
     """
@@ -86,9 +86,9 @@ def _limit(template: Template, boundary: Boundary, duration: Duration, scheme: S
 
 
 def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
-    """Return the step from which on one of the decaying modes grows; one that turns, e-fold within the duration.
+    """Return the step from which one of the decaying modes grows; an oscillating one e-fold within the duration.
 
-    Without that allowance a mode that hardly decays at all would forbid Euler for the shortest of runs.
+    Without that allowance a mode that hardly decays would forbid Euler for short runs.
     """
     allowed = 0.0 if duration == "settled" or not duration else 1 / duration
     real, turning = modes.real[modes.imag == 0], np.unique(np.round(modes[modes.imag > 0] - allowed, 6))
@@ -99,12 +99,12 @@ def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
 
 
 def fastest_turning(modes: Modes, duration: Duration, step: float, *, grey: bool = False) -> float:
-    """Return the |omega| of the fastest mode that Euler's steps do not follow, 0 if there is none.
+    """Return the |omega| of the fastest oscillating mode that Euler steps do not follow, 0 if there is none.
 
-    They make a mode that turns grow by h omega^2 / 2 a time constant too fast, until the run ends or the mode is e
-    times smaller or larger. What grows at more than `RUSHED` of its frequency is saturated before that tells, unless
-    the run begins from a ``grey`` state: whole groups of cells are linear then, and which way they saturate hangs on
-    how far they turn meanwhile. Of what grows at ``rate`` Euler's steps are late by h omega rate a time constant.
+    Euler steps make such a mode grow too fast, by h omega^2 / 2 a time constant, until the run ends or the mode is e
+    times smaller or larger. A mode that grows by more than `RUSHED` of its frequency saturates before that matters,
+    except from a ``grey`` state: groups of cells are linear then, and the way they saturate depends on the phase. A
+    mode that grows at ``rate`` is late by h omega rate a time constant.
     """
     modes = modes[modes.imag != 0]
     omega, rate = np.abs(modes.imag), np.abs(modes.real)
@@ -118,10 +118,10 @@ def fastest_turning(modes: Modes, duration: Duration, step: float, *, grey: bool
 
 @lru_cache(maxsize=128)
 def turning_of(template: Template, boundary: Boundary, duration: Duration, step: float, *, grey: bool = False) -> float:
-    """Return the |omega| of the fastest mode of a linear template that Euler's steps do not follow.
+    """Return the |omega| of the fastest mode of a linear template that Euler steps do not follow.
 
-    On a grid with edges waves that grow as they travel are no modes, but are there until they come to an edge: from a
-    grey state they are followed as well.
+    From a ``grey`` state waves that grow as they travel count as well: on a grid with edges they are no modes, but
+    exist until they reach an edge.
     """
     modes = modes_of(template, boundary)
     if grey and not template.symmetric:
@@ -131,28 +131,28 @@ def turning_of(template: Template, boundary: Boundary, duration: Duration, step:
 
 
 def late_growth(template: Template, step: float) -> tuple[float, float]:
-    """Return the rate g at which the fastest pattern grows [1 / time constant], and the part of it Euler's steps lose.
+    """Return the rate g of the fastest growing pattern [1 / time constant], and the part of it that Euler steps lose.
 
-    In a step they make of exp(h g) only 1 + h g, so they grow at log(1 + h g) / h, which favours the slower of two
-    patterns that compete; which of them wins hangs on that where the run begins from a grey state.
+    A step gives 1 + h g instead of exp(h g), a rate of log(1 + h g) / h. That favours the slower of two competing
+    patterns, and from a grey state it may decide which of them wins.
     """
     rate = max(0.0, float(_waves(template.feedback_taps, symmetric=template.symmetric).real.max()))
     return rate, 1 - float(np.log1p(step * rate)) / (step * rate) if rate else 0.0
 
 
 def turning_from(turning: Callable[..., float], grey: Callable[[], bool]) -> float:
-    """Return the |omega| that ``turning`` (with ``grey``, as `fastest_turning`) gives for the state of a run.
+    """Return the |omega| of ``turning`` (see `fastest_turning`) for the state of a run.
 
-    The state is looked at only where that makes a difference: it may be large.
+    ``grey``, which reads the state, is called only if it makes a difference.
     """
     either, most = turning(grey=False), turning(grey=True)
     return most if most > either and grey() else either
 
 
 def usual_scheme(limit: Callable[[Scheme], float], step: float, turning: float) -> Scheme:
-    """Return Euler, or RK4 where modes turn so fast that it gets on better: a step of it costs four of Euler's.
+    """Return Euler, or RK4 for oscillating modes and where its longer steps pay, at four times the cost of Euler's.
 
-    Arguments: ``limit`` gives the longest step of a scheme; ``step`` is what accuracy allows [time constants];
-    ``turning`` as in `fastest_turning`.
+    Arguments: ``limit`` returns the longest stable step of a scheme; ``step`` is the step that accuracy allows [time
+    constants]; ``turning`` as in `fastest_turning`.
     """
     return RK4 if turning or (limit(EULER) < 2 * step and limit(RK4) > 4 * limit(EULER)) else EULER

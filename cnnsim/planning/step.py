@@ -1,31 +1,32 @@
-"""The integration step: the longest that is stable, or the one asked for, made to fit duration, delays and frames."""
+"""The integration step: the longest stable one or the one requested, fitted to duration, delays and frames."""
 
 from collections.abc import Sequence
 from fractions import Fraction
 from math import ceil, gcd, inf, lcm
+from typing import Literal
 
-from cnnsim.planning.duration import Duration
 from cnnsim.planning.scheme import Scheme
 from cnnsim.support import InputError
 from cnnsim.support.values import is_number
 
+Duration = float | Literal["settled"]
+"""A number of time constants, or until the network has settled."""
+
 DEFAULT_STEP = 0.1
-
-
 MOST_STEPS = 10**12
-"""Steps of a transient: more would take years on the smallest of grids."""
+"""Most steps of a transient: more would take years on the smallest grid."""
 
 
 def allowed_step(step: float | None) -> float:
-    """Return the step whose errors decide on the scheme: the one asked for, or the longest that is chosen."""
+    """Return the step whose error decides the scheme: the one requested, or the default."""
     return step if is_number(step) and 0 < step < inf else DEFAULT_STEP
 
 
 def usual_step(scheme: Scheme, longest: float, turning: float) -> float:
-    """Return the step where none is asked for: half of what is stable, a sixth with schemes of order 4.
+    """Return the default step: half the stability limit ``longest``, a sixth of it for schemes of order 4.
 
-    Those are taken for modes that turn: at h |omega| = 1/2 they are followed to three digits, at half the limit to one.
-    ``turning``: the |omega| of the fastest that is to be followed, which the limit need not know.
+    Schemes of order 4 are chosen for oscillating modes, which h |omega| = 1/2 follows to three digits. ``turning`` is
+    the largest |omega| to follow, or 0.
     """
     if scheme.order < 4:
         return min(DEFAULT_STEP, longest / 2)
@@ -33,13 +34,13 @@ def usual_step(scheme: Scheme, longest: float, turning: float) -> float:
 
 
 def check_count(time: float, h: float) -> None:
-    """Raise InputError if a time takes more steps of length ``h`` than can be counted or waited for."""
+    """Raise InputError if a time takes more than `MOST_STEPS` steps of length ``h``."""
     if time > MOST_STEPS * h:
         raise InputError(f"{time:g} time constants in steps of {h:g}; at most {MOST_STEPS:.0e} steps wanted")
 
 
 def divided(duration: Duration, h: float) -> float:
-    """Shorten the step a little where the duration is no multiple of it, so that the last step ends on time."""
+    """Shorten the step where the duration is not a multiple of it, so that the last step ends on time."""
     if duration == "settled" or duration == 0:
         return h
     check_count(duration, h)
@@ -48,7 +49,7 @@ def divided(duration: Duration, h: float) -> float:
 
 
 def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> None:
-    """Raise InputError for a step that is not positive, or longer than ``longest``: it then ``verdict``."""
+    """Raise InputError for a step that is not positive or is longer than ``longest``: then it ``verdict``."""
     if not is_number(step) or not 0 < step < inf:
         raise InputError(f"step {step!r}; a positive number of time constants wanted")
     if step > longest * (1 + 1e-9):
@@ -59,18 +60,17 @@ def timed_step(
     scheme: Scheme, step: float | None, longest: float, duration: Duration, delays: Sequence[float],
     periods: Sequence[float], turning: float,
 ) -> tuple[float, str]:  # fmt: skip
-    """Return the step of a network that may have delays and sequences, and why it is that one.
+    """Return the step of a network that may have delays and sequences, and the reason for it.
 
-    All delays and the times that planes are held must be whole numbers of steps, so that nothing is interpolated.
-    ``turning`` as in `usual_step`.
+    Delays and holding times are whole numbers of steps: nothing is interpolated. ``turning`` as in `usual_step`.
 
     Raises:
-        InputError: a step that may be unstable, or that does not divide a delay or a holding time; a scheme whose
-            stages do not lie on the steps, with a delay.
+        InputError: a step that may be unstable, or does not divide a delay or a holding time; a delay with a scheme
+            whose stages are between steps.
     """
     if delays and not set(scheme.matrix.sum(axis=1)) <= {0.0, 1.0}:
         raise InputError(
-            f"{scheme.name} looks between the steps, where delayed values are not known; use euler or heun"
+            f"{scheme.name} has stages between the steps, where delayed values are unknown; use euler or heun"
         )
     times = [*delays, *periods]
     if times and duration != "settled" and duration:
@@ -82,7 +82,7 @@ def timed_step(
         return h, f"at most {most:.4g}" + (" and divides all delays and holding times" if times else "")
     check_step(step, longest, scheme, "may be unstable")
     check_whole_steps(times, step)
-    return step, f"as asked; certainly stable below {longest:.4g}"
+    return step, f"as requested; certainly stable below {longest:.4g}"
 
 
 def is_whole_steps(times: Sequence[float], step: float) -> bool:

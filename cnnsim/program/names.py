@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, get_args
 
 from cnnsim.network import Boundary, Template
-from cnnsim.planning.duration import Duration
+from cnnsim.planning.step import Duration
 from cnnsim.program.program import ProgramMemory
 from cnnsim.support import InputError
 from cnnsim.support.error_list import ErrorList

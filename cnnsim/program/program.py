@@ -27,7 +27,7 @@ from cnnsim.network import CHUA_YANG, Boundary, Cell, Template
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.global_wire import Wire
 from cnnsim.operations.logic import FUNCTIONS
-from cnnsim.planning.duration import Duration
+from cnnsim.planning.step import Duration
 from cnnsim.program.numbering import step_rows, written
 
 ProgramMemory = Literal["lam", "llm", "wire"]

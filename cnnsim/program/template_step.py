@@ -5,7 +5,7 @@ from typing import Any
 from cnnsim import library
 from cnnsim.accuracy.tolerance import Accuracy, read_accuracy
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template, parse_boundary
-from cnnsim.planning.duration import Duration
+from cnnsim.planning.step import Duration
 from cnnsim.program.names import Names
 from cnnsim.program.program import Step, TemplateStep
 from cnnsim.support import InputError, naming

@@ -10,15 +10,15 @@ Pair = tuple[float, float]
 """(x(0), u) of one cell."""
 
 MOST = 1 << 18
-"""Different sums beyond which an enumeration is given up."""
+"""Most different sums of an enumeration."""
 DIGITS = 9
-"""Digits after the point of a sum of weights: the others are rounding, and a tie is 0."""
+"""Decimals of a sum of weights; the others are rounding."""
 
 
 def pairs_of(input: str | float, initial_state: str | float) -> list[Pair] | str:  # noqa: A002 - the field's word for u
-    """Return the pairs (x(0), u) a cell can have when pictures are black and white, or why they cannot be listed.
+    """Return the pairs (x(0), u) that a cell can have in black-and-white pictures.
 
-    The roles are those of a template file. An initial state called "any" is represented by its extremes.
+    The roles are those of a template file. The initial state "any" is represented by its extremes.
     """
     both = (-1.0, 1.0)
     if input == "picture" and initial_state == "picture":
@@ -34,7 +34,7 @@ def pairs_of(input: str | float, initial_state: str | float) -> list[Pair] | str
 def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> Floats | None:
     """Return all different sums of one vector from each list, as rows; None if there are more than `MOST`.
 
-    Sums count by their first `DIGITS` digits after the point.
+    Sums are rounded to `DIGITS` decimals.
     """
     width = len(options[0][0]) if options else 1
     sums = np.zeros((1, width))
@@ -47,5 +47,5 @@ def weighted_sums(options: Sequence[Sequence[tuple[float, ...]]]) -> Floats | No
 
 
 def too_many(taps: int) -> str:
-    """Return the sentence for an enumeration that was given up."""
+    """Return the reason for an enumeration of more than `MOST` sums."""
     return f"its {taps} taps have more than {MOST} different sums"

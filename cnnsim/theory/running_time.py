@@ -21,10 +21,10 @@ from cnnsim.theory import wave_time
 from cnnsim.theory.neighbourhood import Pair, pairs_of, too_many, weighted_sums
 
 TOLERANCE = 0.01
-"""An output that only comes nearer and nearer to its final value counts as final from this distance on."""
+"""An output that approaches its final value asymptotically counts as final within this distance."""
 
 PROVED = ("fixed", "zero-flux", "periodic")
-"""Boundaries whose virtual cells are constants or copies of real cells, as the proofs take them to be."""
+"""Boundaries of the proofs: virtual cells are constants or copies of real cells."""
 
 _TIE = 1e-9
 _TERMS = "it has non-linear, delayed or space-variant terms"
@@ -32,7 +32,7 @@ _TERMS = "it has non-linear, delayed or space-variant terms"
 
 @dataclass(frozen=True)
 class RunningTime:
-    """``time`` [time constants] after which every output is final, or None; ``why``, and what is taken for granted."""
+    """``time`` [time constants] after which every output is final, or None; the reason ``why``, and an assumption."""
 
     time: float | None
     why: str
@@ -50,8 +50,8 @@ def guaranteed_time(
 ) -> RunningTime:  # fmt: skip
     """Return the time after which every output is final, whatever black-and-white pictures (rows, cols) are given.
 
-    Arguments: ``input`` and ``initial_state`` say what u and x(0) are, in the words of a template file; ``step`` is
-    the longest Euler step it has to hold for; ``has_mask`` says that there is a mask.
+    Arguments: ``input`` and ``initial_state`` are the roles of u and x(0), as in a template file; ``step`` is the
+    longest Euler step for which the time holds; ``has_mask``: some cells may be masked.
     """
     if answer := _of_template(template, boundary):
         return answer
@@ -71,7 +71,7 @@ def guaranteed_time(
 
 
 def _of_template(template: Template, boundary: Boundary) -> RunningTime | None:
-    """Return what the template and the boundary alone decide; None: the pictures decide."""
+    """Return the time that template and boundary alone give; None if it depends on the pictures."""
     if boundary.kind not in PROVED:
         return RunningTime(None, f"no theory here of a {boundary} boundary")
     return _contraction(template) if template.linear else RunningTime(None, _TERMS)
@@ -131,7 +131,7 @@ def cell_time(s: Floats, x0: Floats, a: float, step: float) -> Floats:
 def _contraction(template: Template) -> RunningTime | None:
     size = float(np.abs(template.A).sum())
     if size >= 1 or template.uncoupled:
-        return None  # cells without neighbours are known more exactly
+        return None  # cells without neighbours have a closed form
     time = float(np.log((1 + template.state_bound()) / TOLERANCE) / (1 - size))
     return RunningTime(time, f"a contraction: sum|A| = {size:.3g} < 1, so errors shrink to {TOLERANCE:g}")
 
@@ -156,7 +156,7 @@ def _uncoupled(template: Template, boundary: Boundary, pairs: list[Pair], arbitr
 
 
 def _fewer_and_fewer(pairs: list[Pair]) -> list[tuple[list[Pair], str]]:
-    """All pairs (x(0), u); then, of two independent pictures, all but one pair, with what is thereby assumed."""
+    """Return all pairs (x(0), u); then, for two independent pictures, all but one pair, with the assumption made."""
     tries = [(pairs, "")]
     colour = {1.0: "black", -1.0: "white"}
     if len(pairs) == 4:

@@ -1,4 +1,4 @@
-"""The longest path a trigger wave can take on a grid, through the worst maze where cells can be walls."""
+"""The longest path of a trigger wave on a grid, through the worst maze where cells can be walls."""
 
 from math import gcd, lcm
 
@@ -12,7 +12,7 @@ _RING = {(k, l) for k in (-1, 0, 1) for l in (-1, 0, 1)} - {(0, 0)}
 def longest_path(
     template: Template, shape: tuple[int, int], boundary: Boundary, waiting: Floats, has_mask: bool
 ) -> tuple[int, str]:
-    """Return the most cells a wave can visit one after the other, and in words why.
+    """Return the largest number of cells that a wave can visit one after the other, and the reason.
 
     ``waiting`` (n, 2) has, for every input that white cells can meet, s - (a - 1) among white neighbours and how much
     that would rise if all real neighbours were black. A cell is set off by nothing (s - (a - 1) > 0), by any one

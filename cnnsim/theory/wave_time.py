@@ -1,4 +1,4 @@
-"""Trigger waves: templates whose cells only ever change one way, each set off by neighbours that have changed.
+"""Switching times of trigger waves: cells change in one direction only, each triggered by neighbours that changed.
 
 With a > 1 and neighbour weights A >= 0 the network is monotone: more black now is more black later (comparison
 principle; Smith, "Monotone Dynamical Systems", AMS 1995). Take black as the colour that spreads. If every black cell
@@ -25,7 +25,7 @@ _TIE = 1e-9
 
 
 class Wave(NamedTuple):
-    """The time of a wave [time constants], or None, and why."""
+    """The time of a wave [time constants] or None, and the reason."""
 
     time: float | None
     why: str
@@ -50,7 +50,7 @@ def wave_of_picture(
 ) -> Wave:
     """Return the time of the wave from a black-and-white ``state`` with B*u + z + bias = ``drive``: (rows, cols).
 
-    The wave is followed in generations: what the cells that are black so far set off, then what those set off.
+    The wave is followed in generations: the cells that the black cells trigger, then those that these trigger.
     """
     refusal = _refusal(template, step)
     if refusal is None and not np.isin(state, (-1.0, 1.0)).all():

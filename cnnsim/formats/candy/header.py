@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from cnnsim.formats.candy.content import TemFile
 from cnnsim.library.entry import Role
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, fixed
-from cnnsim.planning.duration import Duration
+from cnnsim.planning.step import Duration
 from cnnsim.support import Diagnostics, InputError
 from cnnsim.support.numbers import is_number, number
 
