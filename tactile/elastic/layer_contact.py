@@ -21,7 +21,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from cnnsim.support import Floats, InputError
-from tactile.elastic.gauss import gauss
+from tactile.elastic.gauss import gauss, panels
 from tactile.elastic.profiles import FLAT_PUNCH, HERTZ, ROUND_TIP, Profile
 
 Body = Literal["paraboloid", "sphere", "flat"]
@@ -69,10 +69,8 @@ def across_excess(turn: Floats, nu: float = 0.5) -> Floats:
 @lru_cache(maxsize=32)
 def cosine_transform(of: Callable[[Floats, float], Floats], nu: float = 0.5) -> CubicSpline:
     """M(x), lengths in thicknesses, of one of the above."""
-    nodes, weights = gauss(16)
-    edges = np.linspace(0, 24.0, 61 * 2)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
-    k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-    step = of(k, nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)
+    k, weights = panels(24.0, 121)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
+    step = of(k, nu) * weights
     x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])
     return CubicSpline(x, np.cos(np.outer(x, k)) @ step)
 

@@ -9,7 +9,7 @@ from scipy.special import j0, j1
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import FORCE, PLACE, F, Q, R, X, Y
-from tactile.elastic.gauss import gauss
+from tactile.elastic.gauss import panels
 from tactile.elastic.halfspace import check_loads, point_load
 from tactile.elastic.layer import transfer
 from tactile.elastic.medium import Felt, Medium
@@ -84,10 +84,7 @@ def waves_of(depth: float, medium: Medium) -> tuple[Floats, ...]:
     normal, normal_shear, shear_normal, shear and across of `Transfer`, for thickness 1; ``depth`` over the thickness.
     """
     top = 46 / (2 - depth)  # exp(-46) is 1e-20
-    edges = np.linspace(0, top, int(np.ceil(top * REACH / PANEL)) + 1)
-    nodes, weights = gauss(16)
-    k = ((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes
-    k, weight = k.ravel(), np.tile(weights * edges[1] / 2, len(edges) - 1)
+    k, weight = panels(top, int(np.ceil(top * REACH / PANEL)))
     layer, half = transfer(k, depth, 1.0, medium), transfer(k, depth, np.inf, medium)
     step = k * weight / (2 * np.pi)
     names = ("normal", "normal_shear", "shear_normal", "shear", "across")

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import COLUMNS, FORCE, X, Y
-from tactile.elastic.gauss import gauss
+from tactile.elastic.gauss import gauss, panels
 from tactile.elastic.medium import Medium
 
 if TYPE_CHECKING:
@@ -118,10 +118,8 @@ def _base(length: float, nu: float, middle: bool) -> "CubicSpline":
 
     far = length / 2 if middle else length
     end = min(far, REACH)
-    nodes, weights = gauss(16)
-    edges = np.linspace(0, end, int(np.ceil(end / 2)) + 1)
-    x = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-    step = np.tile(weights * edges[1] / 2, len(edges) - 1) * (1.0 if middle else 1 - x / length)
+    x, step = panels(end, int(np.ceil(end / 2)))
+    step = step * (1.0 if middle else 1 - x / length)
     # across by the angle, its cube drawing the nodes to the middle, where the line's own field has a logarithm
     root, share = gauss(64)
     angle = np.pi / 2 * ((root + 1) / 2) ** 3

@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import j0
 
 from cnnsim.support import Floats, InputError
-from tactile.elastic.gauss import gauss
+from tactile.elastic.gauss import gauss, panels
 from tactile.elastic.layer_contact import excess
 from tactile.elastic.medium import Medium
 
@@ -136,8 +136,6 @@ def _displacement(x: Floats, y: Floats, pitch: float, medium: Medium) -> Floats:
 @lru_cache(maxsize=16)
 def taken_away(nu: float) -> CubicSpline:
     """The integral of (1 - T(k)) J0(k rho) over the layer's waves, by the distance in thicknesses up to `REACH`."""
-    nodes, weights = gauss(16)
-    edges = np.linspace(0, 20.0, 81)
-    k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
+    k, weights = panels(20.0, 80)
     rho = np.linspace(0, REACH, 1201)
-    return CubicSpline(rho, j0(np.outer(rho, k)) @ (excess(k, nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)))
+    return CubicSpline(rho, j0(np.outer(rho, k)) @ (excess(k, nu) * weights))

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import BarycentricInterpolator, CubicSpline, RectBivariateSpline
 
 from cnnsim.support import Floats, InputError
-from tactile.elastic.gauss import gauss
+from tactile.elastic.gauss import panels
 from tactile.elastic.layer_contact import excess
 
 WIDEST = 20.0
@@ -38,10 +38,8 @@ class StripContact:
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats]:
         """Half widths, and there: force a length over the half-space's, and pressure over an ellipse (widths, at)."""
-        nodes, weights = gauss(16)
-        edges = np.linspace(0, 24.0, 122)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
-        k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-        step = excess(k, self.nu) * np.tile(weights * edges[1] / 2, len(edges) - 1)
+        k, weights = panels(24.0, 121)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
+        step = excess(k, self.nu) * weights
         x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])
         slope = CubicSpline(x, np.sin(np.outer(x, k)) @ step)
         widths = np.sinh(np.linspace(0, np.arcsinh(4 * WIDEST), 81))[1:] / 4

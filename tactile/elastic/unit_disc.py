@@ -16,7 +16,7 @@ from scipy.special import j0, j1
 
 from cnnsim.support import Floats
 from tactile.elastic.discs import potential
-from tactile.elastic.gauss import gauss
+from tactile.elastic.gauss import gauss, panels
 from tactile.elastic.layer import transfer
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import Profile
@@ -95,10 +95,8 @@ def layer(
 def _waves(top: float, rho: Floats, radius: Floats) -> tuple[Floats, Floats]:
     """Waves from 0 to ``top``, and k dk / 2 pi."""
     widest = float(rho.max() + radius.max())
-    edges = np.linspace(0, top, int(np.ceil(top * max(widest / PANEL, 1 / PANEL_WIDTH))) + 1)
-    nodes, weights = gauss(16)
-    k = (((edges[:-1] + edges[1:]) / 2)[:, None] + (edges[1] / 2) * nodes).ravel()
-    return k, k * np.tile(weights * edges[1] / 2, len(edges) - 1) / (2 * np.pi)
+    k, weights = panels(top, int(np.ceil(top * max(widest / PANEL, 1 / PANEL_WIDTH))))
+    return k, k * weights / (2 * np.pi)
 
 
 def _bessel(k: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
