@@ -1,4 +1,4 @@
-"""Adhesion of a rigid round body (Johnson, Kendall, Roberts): a contact that can pull, until it snaps off."""
+"""Adhesion of a rigid round body by Johnson, Kendall and Roberts: a contact that pulls until it snaps off."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,11 +9,11 @@ from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
 
 POINTS = 4000
-"""Contact radii in a table; a force between two of them is off by less than 1e-6."""
+"""Contact radii in a table; interpolated forces are off by less than 1e-6."""
 
 
 class DryLaw(Protocol):
-    """What adhesion starts from: the laws of the same body without it."""
+    """The laws of the same body without adhesion."""
 
     def contact_radius(self, force: Floats, medium: Medium) -> Floats: ...  # noqa: D102 - [m] at a force [N]
     def force_on(self, radius: Floats, medium: Medium) -> Floats: ...  # noqa: D102 - [N] at a radius [m]
@@ -22,10 +22,10 @@ class DryLaw(Protocol):
 
 @dataclass(frozen=True)
 class Adhesion:
-    """A body that sticks, by its contact radius: ``force`` [N] = ``pressed`` - ``pulled``, ``indentation`` [m].
+    """Law of an adhering body by its contact radius: ``force`` [N] = ``pressed`` - ``pulled``, ``indentation`` [m].
 
-    ``pressed`` is the force that the dry body has at this radius, ``pulled`` that of a flat punch which the surfaces'
-    energy holds: pulled^2 = 4 pi a w / (-dC / da) with C(a) the compliance of a flat punch, 8 pi E* w a^3 on the
+    ``pressed`` is the force of the dry body at this radius, ``pulled`` that of a flat punch held by the surface
+    energy w: pulled^2 = 4 pi a w / (-dC / da) with C(a) the compliance of a flat punch, 8 pi E* w a^3 on the
     half-space. All grow from the first row to the last; the first is where it snaps off.
     """
 
@@ -35,21 +35,21 @@ class Adhesion:
     indentation: Floats
 
     def at(self, wanted: Floats, by_depth: bool) -> tuple[Floats, Floats]:
-        """(force, pressed) at a force or an indentation, neither of which lies below that of the first row."""
+        """Return (force, pressed) at a force or an indentation, not below that of the first row."""
         known = self.indentation if by_depth else self.force
         return np.interp(wanted, known, self.force), np.interp(wanted, known, self.pressed)
 
 
 def adhesion(body: DryLaw, punch: DryLaw, medium: Medium, work: float, most: float, by_depth: bool) -> Adhesion:
-    """The table for forces up to about ``most`` [N] and a work of adhesion w [J/m^2].
+    """Return the table for forces up to about ``most`` [N] and a work of adhesion w [J/m^2].
 
     Arguments: ``punch``: a flat punch whose ``force_on`` gives its force [N] at 1 m of indentation; ``by_depth``: the
-    indentation is given, so that the contact snaps off where that, not the force, is the smallest.
+    indentation is prescribed, so that the contact snaps off at its minimum, not at that of the force.
 
     Source: Johnson, Kendall, Roberts (1971); Maugis, Contact, Adhesion and Rupture of Elastic Solids, ch. 4; with the
     layer's compliance Yang (2002).
     """
-    # pressed as hard as pulled: the radius without a force, found by its order
+    # increase the radius until its force exceeds the largest
     size = float(body.contact_radius(np.array([max(most, 1e-12)]), medium)[0])
     for _ in range(60):
         if float(body.force_on(np.array([size]), medium)[0] - _pulled(np.array([size]), punch, medium, work)[0]) > most:
@@ -64,7 +64,7 @@ def adhesion(body: DryLaw, punch: DryLaw, medium: Medium, work: float, most: flo
 
 
 def flat_adhesion(radius: float, punch: DryLaw, medium: Medium, work: float, most: float) -> Adhesion:
-    """The table for a flat punch, whose contact stays as wide as it is until it snaps off."""
+    """Return the table for a flat punch, whose contact keeps its width until it snaps off."""
     edge = np.array([radius])
     force = np.linspace(-_pulled(edge, punch, medium, work)[0], max(most, 1e-12), 2)
     return Adhesion(np.full(2, radius), force, force, force / punch.force_on(edge, medium))

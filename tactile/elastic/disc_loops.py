@@ -1,4 +1,4 @@
-"""Sum of loads and twists over circles from a table, compiled: one row of the table a load, then one look a taxel."""
+"""Fields of loads and twists over circles from a table, compiled."""
 
 import math
 
@@ -13,16 +13,15 @@ from tactile.elastic.medium import Medium
 
 TORQUE = COLUMNS
 SERIAL_BELOW = 40_000
-"""Fewer pairs than this take 1.4 ms on one thread at most and 0.75 ms on two; loading the parallel loop costs a command
-a quarter of a second, and on a busy machine the threads wait long."""
+"""Most pairs of loads and taxels that one thread computes: waking the others takes about as long."""
 
 
 def add_discs(out: Floats, positions: Floats, depth: float, loads: Floats, radii: Floats, table: DiscTable,
               medium: Medium) -> None:  # fmt: skip
-    """Add to ``out`` (frames, taxels, 3) what taxels feel of loads spread over circles.
+    """Add the readings of taxels under loads spread over circles to ``out`` (frames, taxels, 3).
 
     Arguments: ``positions`` (taxels, 2) [m]; ``loads`` (frames, n, 5 or 6), rows (x, y, Q, R, F) [m, N] and a twist
-    M [N m] about z where there is a sixth; ``radii`` (frames, n) [m], within the table's.
+    M [N m] about z where there is a sixth; ``radii`` (frames, n) [m], up to the table's largest.
     """
     rows = np.zeros((*loads.shape[:2], COLUMNS + 1))
     rows[..., : loads.shape[-1]] = loads
@@ -43,7 +42,7 @@ def add_discs(out: Floats, positions: Floats, depth: float, loads: Floats, radii
 
 @kept_helper(error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def _row_of(numbers, knot, row):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """The table's row at a radius, between its knots."""
+    """Interpolate the table's row at a radius."""
     if numbers.shape[0] == 1:
         for p in range(numbers.shape[1]):
             for c in range(6):
@@ -87,7 +86,7 @@ def _add(x_of, y_of, rows, knots, out, begin, end, numbers, per_rho, ends, endle
                 square = x * x + y * y
                 rho = math.sqrt(square)
                 if rho >= ends:
-                    if endless:  # a point, whose weight has been divided out
+                    if endless:  # a point; its weight was divided out
                         near = 1 / (1 + square)
                         weight = (q * x + r * y + f) * near * math.sqrt(near) * factor * (1 + size[n, m] ** 2)
                         out[n, i, 0] -= 3 * weight * near * x

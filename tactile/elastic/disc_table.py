@@ -1,4 +1,4 @@
-"""Tables of the six functions of a circle's load over distance and radius: as fine as the accuracy asks for."""
+"""Tables of the six response functions of a circle's load over distance and radius, refined to an accuracy."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,30 +14,30 @@ from tactile.elastic.unit_disc import EVEN, ODD, RZ, TWIST, ZR, ZZ, half_space, 
 FAR = 400.0
 """Depths from a load beyond which a circle on the half-space is a point."""
 REACH = 30.0
-"""Thicknesses beyond which a bonded layer feels nothing: its field dies out exponentially."""
+"""Distance in thicknesses beyond which a bonded layer's field is 0: it decays exponentially."""
 DEEPEST = 1e8
 """A layer of more depths than this is the half-space to rounding."""
 KINDS = ([ZZ, RZ], [ZR, EVEN, ODD], [TWIST])
 """Functions of a normal force, of a tangential one, of a twist."""
 TAIL = 16.0
-"""By so much more than the accuracy the layer's waves have fallen off where they are cut: what is left grows like the
-third power of the wavenumber."""
+"""Logarithm by which the layer's waves have decayed beyond the accuracy where they are cut: the remainder grows like
+the third power of the wavenumber."""
 FAINT = 0.01
-"""Where a field has fallen to this share of its peak, it still is as accurate: taxels may lie beside what presses."""
+"""Share of the peak down to which the error is also limited relative to the local field, for taxels next to a load."""
 SHORTEST = 0.002
-"""A step so short has never been needed: what is left is no more the spline's."""
+"""Smallest step: at it the error is no longer the spline's."""
 PAD, FALL = 3, 0.27
-"""Knots beyond both ends at least, for the spline's own end conditions fall off by so much a knot. At the largest
-radius the functions still change: as many as the accuracy asks for."""
+"""Fewest knots beyond both ends, and the factor per knot by which the spline's end conditions decay. Beyond the largest
+radius, where the functions still change, the accuracy sets their number."""
 
 
 @dataclass(frozen=True, eq=False)
 class DiscTable:
-    """Coefficients of cubic B-splines on even knots, so weighted that they are even and of the order of 1.
+    """Coefficients of cubic B-splines on even knots, weighted so that the functions are even and of the order of 1.
 
-    ``numbers`` (radii, distances, 6), the first knot mirrored before the first; ``per_rho``: knots in a unit of
-    asinh(rho / z), ``per_radius``: those of the radius' coordinate; ``limit``: the profile's largest radius in depths,
-    infinite where it has none; ``ends`` [depths]: nothing is there beyond, but a point's reading where ``endless``.
+    ``numbers`` (radii, distances, 6), the second knot mirrored before the first; ``per_rho``: knots per unit of
+    asinh(rho / z); ``per_radius``: knots per unit of ``coordinate``; ``limit``: the profile's largest radius in depths,
+    or infinite; ``ends`` [depths]: distance beyond which the field is that of a point where ``endless``, else 0.
     """
 
     numbers: Floats
@@ -48,12 +48,12 @@ class DiscTable:
     endless: bool
 
     def knots(self, radii: Floats) -> Floats:
-        """Knot numbers of radii in depths."""
+        """Return the knot numbers of radii in depths."""
         return coordinate(radii, self.limit) * self.per_radius
 
 
 def coordinate(radius: Floats, limit: float) -> Floats:
-    """A radius' coordinate: asinh, or atanh(radius / limit) where a profile changes fast before its largest radius."""
+    """Return asinh(radius), or atanh(radius / limit) for a profile that changes fast near its largest radius."""
     out: Floats = np.arcsinh(radius) if np.isinf(limit) else np.arctanh(np.minimum(radius / limit, 1 - 1e-12))
     return out
 
@@ -63,14 +63,13 @@ def _radius(along: Any, limit: float) -> Any:
 
 
 def table_size(radii: Floats, depth: float, profile: Profile, unit: float) -> Floats:
-    """The largest coordinate of the table for circles of these radii [m], of a few sizes only so that they share them.
+    """Return the largest coordinate of the tables for circles of these radii [m]: one of a few sizes, to share tables.
 
-    It depends on a circle's radius alone, so that readings do not depend on what else presses.
+    It depends on a circle's radius alone, so that readings do not depend on the other loads.
     """
     limit = unit / depth * profile.limit
     at = coordinate(radii / depth, limit)
-    # a table ten times as wide as its circles costs a hundred times as much; near a profile's largest radius little
-    # changes any more, and circles go through many sizes
+    # a table ten times as wide as its circles takes a hundred times as long to make
     sizes = np.ceil(2 * at - 1e-9) / 2 if np.isinf(limit) else 2.0 ** np.ceil(np.log2(np.maximum(at, 1.0)) - 1e-9)
     return np.where(radii > 0, np.maximum(sizes, 1.0), 0.0)
 
@@ -78,13 +77,13 @@ def table_size(radii: Floats, depth: float, profile: Profile, unit: float) -> Fl
 def disc_table(
     depth: float, top: float, profile: Profile, unit: float, medium: Medium, accuracy: float, whole: bool = True
 ) -> DiscTable:
-    """The table for circles of one size, see ``table_size``, over taxels at ``depth`` [m], made once.
+    """Return the table for circles of one size (``table_size``) over taxels at ``depth`` [m], cached.
 
-    Arguments: ``unit`` [m]: the profile's lam is the radius over it; ``accuracy`` of the peak; ``whole``: with the
-    half-space, else only what the layer adds.
+    Arguments: ``unit`` [m]: the profile's lam is the radius over it; ``accuracy``, relative to the peak; ``whole``:
+    the whole field, else only the layer's share.
 
     Raises:
-        InputError: taxels below the layer; an accuracy that the table does not reach.
+        InputError: taxels below the layer; an accuracy beyond the smallest step.
     """
     if depth > medium.thickness:
         raise InputError(
@@ -98,26 +97,26 @@ def disc_table(
 def _table(
     ratio: float, top: float, profile: Profile, unit: float, nu: float, quantity: Felt, accuracy: float, whole: bool
 ) -> DiscTable:
-    medium, limit = Medium(1.0, nu, quantity), unit * profile.limit
-    ends = REACH / ratio if ratio else FAR
-    fall, beyond = TAIL - np.log(accuracy), max(PAD, int(np.ceil(np.log(accuracy) / np.log(FALL))))
-    random = np.random.default_rng(0)
-    # a cubic spline is off by about (step / 3)^4 of a function that turns once in a unit
-    # and at the rim of a circle of many depths in a depth
-    step = min(0.3, 2 * accuracy**0.25) / max(1.0, _radius(top, limit) / 1.5)
+    limit, ends = unit * profile.limit, REACH / ratio if ratio else FAR
+    functions = _Functions(ratio, profile, unit, Medium(1.0, nu, quantity), whole, TAIL - np.log(accuracy))
+    beyond = max(PAD, int(np.ceil(np.log(accuracy) / np.log(FALL))))
+    random, widest = np.random.default_rng(0), _radius(top, limit)
+    # a cubic spline's error is about (step / 3)^4 for a function that turns once in a unit, which at the rim of a wide
+    # circle is a depth
+    step = min(0.3, 2 * accuracy**0.25) / max(1.0, widest / 1.5)
     while True:
         distances = int(np.ceil(np.arcsinh(ends) / step)) + 1 + PAD
         across = np.arange(distances) * step
         along = np.zeros(1) if not top else np.arange(int(np.ceil(top / step)) + 1 + beyond) * step
-        exact = _weighted(across, along, ratio, profile, unit, limit, medium, whole, fall)
+        exact = functions.weighted(across, along)
         made = DiscTable(_spline(exact), 1 / step, 1 / step, limit, ends, not ratio)
-        # most points where the functions turn, about the rim
-        turning, widest = min(np.arcsinh(ends), np.arcsinh(2 * _radius(top, limit)) + 1.5), _radius(top, limit)
+        # test most points near the rim, where the functions turn
+        turning = min(np.arcsinh(ends), np.arcsinh(2 * widest) + 1.5)
         rims = np.minimum(np.arcsinh(widest * random.uniform(0.5, 1.5, 16 if top else 0)), np.arcsinh(ends))
         near = random.uniform(0, 2 * step, 4)
         at = np.concatenate([[0.0], near, rims, random.uniform(0, turning, 32), random.uniform(0, np.arcsinh(ends), 8)])
         of = along if len(along) == 1 else np.concatenate([[top], random.uniform(0, top, 9)])
-        wanted = _weighted(at, of, ratio, profile, unit, limit, medium, whole, fall)
+        wanted = functions.weighted(at, of)
         off = max(_off(_read(made, at, of)[..., kind], wanted[..., kind], np.argsort(at)) for kind in KINDS)
         if off < accuracy / 8:
             return made
@@ -128,60 +127,57 @@ def _table(
         step *= min(0.8, max(0.4, 0.8 * (accuracy / 8 / off) ** 0.25))
 
 
-def _off(got: Floats, wanted: Floats, order: Integers) -> float:
-    """Error of each circle's peak under one kind of load, which on a thin layer falls off otherwise than the weights.
+@dataclass(frozen=True)
+class _Functions:
+    """The six functions of a table: ``ratio`` of depth and thickness, 0 on a half-space; ``unit`` of lam in depths.
 
-    And a quarter of that of the peak among the distances beyond.
+    ``whole``: with the half-space's; ``fall``: the logarithm by which the layer's waves have decayed at their end.
+    """
+
+    ratio: float
+    profile: Profile
+    unit: float
+    medium: Medium
+    whole: bool
+    fall: float
+
+    def weighted(self, across: Floats, along: Floats) -> Floats:
+        """Return them (radii, distances, 6), made even in both and multiplied by 1 + (a / z)^2."""
+        rho, radius = np.sinh(across), _radius(along, self.unit * self.profile.limit)
+        return self._even(rho, radius) * (1 + radius**2)[:, None, None]
+
+    def _even(self, rho: Floats, radius: Floats) -> Floats:
+        lam, ratio = radius / self.unit, self.ratio
+        factor, trace = self.medium.reading
+        out = np.zeros((len(radius), len(rho), 6))
+        if self.whole:
+            out += half_space(rho, radius, self.profile, lam, 2 * trace) * (factor / (2 * np.pi))
+        if ratio:
+            near = rho * ratio <= REACH * 1.5
+            added = layer(rho[near] * ratio, radius * ratio, self.profile, lam, self.medium, ratio, self.fall)
+            added *= ratio**2
+            added[..., TWIST] *= ratio
+            out[:, near] += added
+        # functions that vanish at rho = 0 are divided by x or x^2, which the loops multiply back
+        apart = np.maximum(rho, 1e-6)
+        odd = [ZR, RZ, TWIST, ODD]
+        out[..., odd[:3]] *= (np.hypot(1, apart) / apart)[:, None]
+        out[..., ODD] *= 1 + apart**-2
+        if rho[0] < 1e-6:  # the limits, to the fourth order from two values near it
+            beside = self._even(np.sinh(np.array([3e-3, 6e-3])), radius)
+            out[:, 0, odd] = (4 * beside[:, 0, odd] - beside[:, 1, odd]) / 3
+        return out
+
+
+def _off(got: Floats, wanted: Floats, order: Integers) -> float:
+    """Return the largest error under one kind of load, relative to each circle's peak.
+
+    Or a quarter of it, relative to the peak beyond the same distance, where that is larger.
     """
     gap, size = np.abs(got - wanted).max(-1)[:, order], np.abs(wanted).max(-1)[:, order]
     beyond = np.maximum.accumulate(size[:, ::-1], axis=1)[:, ::-1]
     peak = beyond[:, :1]
     return float(np.maximum(gap / peak, gap / np.maximum(beyond, FAINT * peak) / 4).max())
-
-
-def _weighted(
-    across: Floats, along: Floats, ratio: float, profile: Profile, unit: float, limit: float, medium: Medium,
-    whole: bool, fall: float,
-) -> Floats:  # fmt: skip
-    """The six functions (radii, distances, 6), even in both, times 1 + (a / z)^2."""
-    rho = np.sinh(across)
-    radius = _radius(along, limit)
-    lam = radius / unit
-    factor, trace = medium.reading
-    out = np.zeros((len(radius), len(rho), 6))
-    if whole:
-        out += half_space(rho, radius, profile, lam, 2 * trace) * (factor / (2 * np.pi))
-    if ratio:
-        near = rho * ratio <= REACH * 1.5
-        added = layer(rho[near] * ratio, radius * ratio, profile, lam, medium, ratio, fall) * ratio**2
-        added[..., TWIST] *= ratio
-        out[:, near] += added
-    # those that vanish at rho = 0 are divided by x and the like, which the loops put back without a division by rho
-    apart = np.maximum(rho, 1e-6)
-    out[..., [ZR, RZ, TWIST]] *= (np.hypot(1, apart) / apart)[:, None]
-    out[..., ODD] *= 1 + apart**-2
-    if rho[0] < 1e-6:
-        out[:, 0, [ZR, RZ, TWIST, ODD]] = _at_zero(along, ratio, profile, unit, limit, medium, whole, fall)
-    weighted: Floats = out * (1 + radius**2)[:, None, None]
-    return weighted
-
-
-def _at_zero(
-    along: Floats,
-    ratio: float,
-    profile: Profile,
-    unit: float,
-    limit: float,
-    medium: Medium,
-    whole: bool,
-    fall: float,
-) -> Floats:
-    """What is 0 / 0 right under the load: even functions, so that two values near it tell it to the fourth order."""
-    here = np.array([3e-3, 6e-3])
-    near = _weighted(here, along, ratio, profile, unit, limit, medium, whole, fall)
-    near = (4 * near[:, 0] - near[:, 1]) / 3
-    radius = _radius(along, limit)
-    return near[:, [ZR, RZ, TWIST, ODD]] / (1 + radius**2)[:, None]
 
 
 def _spline(values: Floats) -> Floats:
@@ -195,7 +191,7 @@ def _spline(values: Floats) -> Floats:
 
 
 def _read(table: DiscTable, across: Floats, along: Floats) -> Floats:
-    """The weighted functions at any place: what the loops do, in NumPy."""
+    """Return the table's functions at any place, as the compiled loops read them."""
     first, rho = _shares(across * table.per_rho)
     picked = np.einsum("pj,rpjc->rpc", rho, table.numbers[:, first[:, None] + np.arange(4)])
     if len(table.numbers) == 1:

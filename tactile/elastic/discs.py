@@ -1,4 +1,4 @@
-"""Strain and stress under tractions spread over circles on the half-space, for any axisymmetric profile."""
+"""Strain and stress under tractions over circles on the half-space, for any axisymmetric profile, by quadrature."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +11,7 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
 
 WIDEST = 100.0
-"""Largest radius over depth that the quadrature is asked for."""
+"""Largest radius over depth for which the quadrature is accurate."""
 BUDGET = 1 << 21
 """Complex numbers held at once."""
 
@@ -25,7 +25,7 @@ def disc_load(
     medium: Medium,
     lam: ArrayLike = 0.0,
 ) -> Floats:
-    """Strain or stress, as the medium says, under loads spread over circles.
+    """Return the strain or stress, as the medium says, under loads spread over circles.
 
     With V the potential of the profile's unit density, P = (Q, R, F) and (c, n) the medium's reading, a load adds
 
@@ -65,13 +65,13 @@ def twist_load(
     profile: Profile = HERTZ,
     lam: ArrayLike = 0.0,
 ) -> Floats:
-    """Strain or stress under a circle that sticks and is twisted about its axis.
+    """Return the strain or stress under a circle that sticks and is twisted about its axis.
 
     The traction q = 3 M r / (4 pi a^3 sqrt(a^2 - r^2)) is -M/2 times the slope of Hertz' pressure of unit force, so
     that with V the potential of that pressure (sigma_xz, sigma_yz) = -(M / 4 pi) d2V/(d rho dz) (-y, x) / rho.
 
-    Arguments: ``twists`` (..., n, 3) rows (x, y, M) [m, m, N m], M from x to y; ``radii`` (..., n) [m]; another
-    ``profile`` than Hertz' where the traction is the slope of that; the others as ``disc_load``.
+    Arguments: ``twists`` (..., n, 3) rows (x, y, M) [m, m, N m], M from x to y; ``radii`` (..., n) [m]; ``profile``
+    whose slope is the traction; the others as ``disc_load``.
 
     Raises:
         InputError: as ``disc_load``.
@@ -93,7 +93,7 @@ def twist_load(
 def potential(
     rho: Floats, radius: Floats, profile: Profile, lam: Floats, wanted: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, 0 where not wanted.
+    """(V_rho / rho, V_z, V_rho_z / rho, (V_rho_rho - V_rho / rho) / rho^2) at depth 1, 0 where not ``wanted``.
 
     Arguments: ``rho`` and ``radius`` in depths, ``lam`` as in ``Profile``, any shapes that broadcast.
 
@@ -121,19 +121,19 @@ def potential(
 
 
 def _nodes(widest: float) -> int:
-    """Quadrature nodes for contacts of that many depths, tried against twice as many."""
+    """Return the number of nodes for contacts of a radius in depths, chosen by comparison with twice as many."""
     if widest < 0.05:
         return 12
     return 20 if widest < 0.6 else 40 if widest < 3 else int(50 + 12 * np.log(widest))
 
 
 def _line(rho: Floats, radius: Floats, profile: Profile, lam: Floats, count: int) -> Floats:
-    """Gauss quadrature along the line of sources, its nodes drawn by a sinh to where the sources come nearest.
+    """Integrate along the line of sources by Gauss points that a sinh moves to where the sources come nearest.
 
     Source: Johnston and Elliott (2005), for nearly singular integrals.
     """
     nodes, weights = gauss(count)
-    floor = np.maximum(radius, 1e-9)  # a point's sources all sit in one place; any small line serves
+    floor = np.maximum(radius, 1e-9)  # a point's sources coincide: any small line serves
     near = np.arcsin((rho + 1j) / floor)
     middle, width = near.real, np.abs(near.imag)
     low, high = np.arcsinh((0 - middle) / width), np.arcsinh((np.pi / 2 - middle) / width)

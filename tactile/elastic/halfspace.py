@@ -11,7 +11,7 @@ from tactile.elastic.medium import Medium
 
 
 def point_load_strain(positions: ArrayLike, depth: float, loads: ArrayLike, modulus: float, nu: float = 0.5) -> Floats:
-    """Strain (u_xz, u_yz, u_zz) under point loads on a half-space of any Poisson's ratio.
+    """Return the strain (u_xz, u_yz, u_zz) under point loads on a half-space of any Poisson's ratio.
 
     Each load adds, with (x, y, z) the taxel seen from it and r^2 = x^2 + y^2 + z^2,
 
@@ -31,7 +31,7 @@ def point_load_strain(positions: ArrayLike, depth: float, loads: ArrayLike, modu
 
 
 def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> Floats:
-    """Stress (sigma_xz, sigma_yz, sigma_zz) [Pa] under point loads on a half-space of any Poisson's ratio.
+    """Return the stress (sigma_xz, sigma_yz, sigma_zz) [Pa] under point loads on a half-space of any Poisson's ratio.
 
     Each load adds, with (x, y, z) the taxel seen from it and r^2 = x^2 + y^2 + z^2,
 
@@ -48,7 +48,7 @@ def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> F
 
 
 def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
-    """Strain or stress, as the medium says, under point loads: the reference that the faster methods are held to.
+    """Return strain or stress, as the medium says, under point loads: the reference for faster methods.
 
     Arguments, shapes and errors: as ``point_load_strain``.
     """
@@ -57,7 +57,7 @@ def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Med
     rows = check_loads(loads)
     if at.ndim < 1 or at.shape[-1] != 2:
         raise InputError(f"taxel positions of shape {at.shape}, (..., 2) wanted")
-    # lengths in units of the depth, so that no fifth power leaves the range of the numbers
+    # lengths in depths, so that no fifth power overflows
     x = (at[..., 0, None] - rows[..., X]) / depth
     y = (at[..., 1, None] - rows[..., Y]) / depth
     nearness = 1 / (1 + x * x + y * y)
@@ -68,10 +68,10 @@ def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Med
 
 
 def point_scale(depth: float, medium: Medium) -> tuple[float, float]:
-    """(c / (2 pi z^2), 2 n) with the medium's reading (c, n): the factors that every method multiplies with.
+    """(c / (2 pi z^2), 2 n) with the medium's reading (c, n): the factors of every method.
 
     Raises:
-        InputError: a depth that is not positive, or so small that the reading is not a number any more.
+        InputError: a depth that is not positive, or so small that readings overflow.
     """
     if not 0 < depth < math.inf:
         raise InputError(f"depth {depth} m, a positive length wanted")

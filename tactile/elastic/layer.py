@@ -1,4 +1,4 @@
-"""An elastic layer bonded to a rigid base, wave by wave: transfer functions from tractions to strain or stress."""
+"""Elastic layer bonded to a rigid base: transfer functions of plane waves from tractions to strain or stress."""
 
 from dataclasses import dataclass
 
@@ -25,14 +25,14 @@ class Transfer:
 
 
 def transfer(wavenumber: ArrayLike, depth: float, thickness: float, medium: Medium) -> Transfer:
-    """Transfer functions at ``depth`` of a layer ``thickness`` [m] thick, infinite for the half-space.
+    """Return the transfer functions at ``depth`` of a layer ``thickness`` [m] thick, infinite for the half-space.
 
     In the plane of k and z the displacement is (i U, W) with, for e = exp(-k z), y = h - z, kappa = 3 - 4 nu,
 
         a1 (e, -e) + a2 (k z e, -(k z + kappa) e) + a3 (f, f) + a4 (k y f, (k y + kappa) f),   f = exp(-k y),
 
-    a3, a4 from U = W = 0 at the base and a1, a2 from the traction on top. Nothing grows with k or divides by
-    1 - 2 nu: any Poisson's ratio up to and at 1/2, any thickness. Across k the shear is cosh(k y) / cosh(k h).
+    a3, a4 from U = W = 0 at the base and a1, a2 from the traction on top. No term grows with k or divides by 1 - 2 nu,
+    so that any Poisson's ratio up to 1/2 and any thickness is allowed. Across k the shear is cosh(k y) / cosh(k h).
 
     Arguments: ``wavenumber`` k >= 0 [1/m], any shape.
 

@@ -30,19 +30,19 @@ WIDEST = 20.0
 DEEPEST = 7.0
 """atanh of the contact radius over that of a sphere narrower than that, where its tables end."""
 RIM = 0.98
-"""Where the weight over the half-space's is still a quotient; at the rim, where both vanish, it is extrapolated."""
+"""Share of the radius up to which weights are divided by the half-space's; at the rim both vanish: extrapolated."""
 
 
 NARROWEST = 1e-9
-"""Of the widest radius, below which contacts are no narrower."""
+"""Smallest contact radius over the largest."""
 NEWTON, STEP = 4, 1e-3
-"""Steps to a radius, and the share of it over which a law's slope is taken: each step leaves so much of the error."""
+"""Newton steps to a radius, and the relative difference for slopes, about the reduction of the error per step."""
 SMALL = 0.03
-"""Contact over sphere radius below which the force is a series, for there are only differences left of its formula."""
+"""Contact over sphere radius below which the force is a series, as its formula cancels."""
 
 
 def excess(turn: Floats, nu: float) -> Floats:
-    """1 - T(k h): by what a wave on the layer sinks in less than on the half-space."""
+    """Return 1 - T(k h): the relative reduction of the surface displacement under a normal wave by the layer's base."""
     kappa = 3 - 4 * nu
     square, fall = 1 + kappa**2 + 4 * turn**2, np.exp(-2 * turn)
     top = 2 * kappa * fall**2 + (square + 4 * turn) * fall
@@ -51,7 +51,7 @@ def excess(turn: Floats, nu: float) -> Floats:
 
 
 def along_excess(turn: Floats, nu: float) -> Floats:
-    """By what a wave that drags along itself moves the layer less than the half-space."""
+    """Return the same under a tangential wave along its wave vector."""
     kappa = 3 - 4 * nu
     square, fall = 1 + kappa**2 + 4 * turn**2, np.exp(-2 * turn)
     # 1 - (2 kappa sinh 2k + 4 k) / (2 kappa cosh 2k + 4 k^2 + 1 + kappa^2)
@@ -60,7 +60,7 @@ def along_excess(turn: Floats, nu: float) -> Floats:
 
 
 def across_excess(turn: Floats, nu: float = 0.5) -> Floats:
-    """By what a wave that drags across itself does: 1 - tanh(k h), whatever Poisson's ratio."""
+    """Return the same under a tangential wave across its wave vector: 1 - tanh(k h) at any Poisson's ratio."""
     fall = np.exp(-2 * turn)
     out: Floats = 2 * fall / (1 + fall)
     return out
@@ -68,7 +68,7 @@ def across_excess(turn: Floats, nu: float = 0.5) -> Floats:
 
 @lru_cache(maxsize=32)
 def cosine_transform(of: Callable[[Floats, float], Floats], nu: float = 0.5) -> CubicSpline:
-    """M(x), lengths in thicknesses, of one of the above."""
+    """Return M(x), lengths in thicknesses, of one of the functions above."""
     k, weights = panels(24.0, 121)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
     step = of(k, nu) * weights
     x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])
@@ -76,7 +76,7 @@ def cosine_transform(of: Callable[[Floats, float], Floats], nu: float = 0.5) -> 
 
 
 def spread(felt: CubicSpline, at: Floats, t: Floats, step: Floats) -> Floats:
-    """(1 / pi) integral of M(at - s) W(s) over an even W, as a matrix of W at the nodes t > 0 of these weights."""
+    """Return the matrix that maps W at nodes t > 0 to (1 / pi) integral of M(at - s) W(s) ds, for an even W."""
     both: Floats = (felt(np.abs(at[:, None] - t)) + felt(at[:, None] + t)) * step / np.pi
     return both
 
@@ -85,7 +85,7 @@ def spread(felt: CubicSpline, at: Floats, t: Floats, step: Floats) -> Floats:
 class LayerContact:
     """A body on a layer of unit thickness and contact modulus; ``size``: the radius of a sphere over the thickness.
 
-    Of a paraboloid all is counted for a radius of 1: indentations go with 1 / R, forces too.
+    A paraboloid has a radius of 1: its indentations and forces are proportional to 1 / R.
     """
 
     body: Body
@@ -94,7 +94,7 @@ class LayerContact:
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Radii, and there: force, indentation, and the weight over the half-space's (radii, places)."""
+        """Radii, and at them force, indentation, and the weight over the half-space's (radii, places)."""
         if self.ends_at_own_radius:
             radii = self.radius_at(np.linspace(0, DEEPEST, 100))[1:]
         else:
@@ -115,7 +115,7 @@ class LayerContact:
         return force, depth, (found * a / force) / (plain / inside)
 
     def weights(self, a: float) -> tuple[Floats, Floats, Floats, float]:
-        """Places t of 0 .. a, their quadrature weights, W there for a contact of radius a, and the indentation."""
+        """Return places t of 0 .. a, quadrature weights, W there for a contact of radius a, and the indentation."""
         nodes, weights = gauss(16 + int(4 * a))
         t, step, rim = a * (nodes + 1) / 2, a * weights / 2, np.array([a])
         sides = np.stack([np.ones_like(t), self.abel(t)], axis=-1)
@@ -188,7 +188,7 @@ class LayerContact:
 
     def most(self, by: Literal["force", "indentation"]) -> float:
         """The largest force or indentation in the tables."""
-        return float(self._begin(by)[1][-1])
+        return float(self._first_guesses(by)[1][-1])
 
     def radius_of(self, wanted: Floats, by: Literal["force", "indentation"]) -> Floats:
         """The contact radius at a force or an indentation, which both grow with it: Newton, in logarithms.
@@ -197,17 +197,17 @@ class LayerContact:
             InputError: beyond the tables.
         """
         law = self.force if by == "force" else self.indentation
-        radii, values = self._begin(by)
+        radii, values = self._first_guesses(by)
         if (wanted > values[-1]).any():
             raise InputError(f"{by} {np.max(wanted):.4g} of the layer's units; at most {values[-1]:.4g} wanted")
         aim = np.where(wanted > 0, np.maximum(wanted, values[0]), values[-1])
         out = np.exp(np.interp(np.log(aim), np.log(values), np.log(radii)))
         for _ in range(NEWTON):
             near, aside = law(out), law(out * (1 - STEP))
-            # both laws are nearly powers of the radius, so that few steps do
+            # both laws are nearly powers of the radius
             power = np.log(near / aside) / -np.log1p(-STEP)
             out = np.minimum(out * (aim / near) ** (1 / power), self.widest)
-        if not (np.abs(law(out) - aim) <= 1e-11 * aim).all():  # where a body's side is steep
+        if not (np.abs(law(out) - aim) <= 1e-11 * aim).all():  # where a body's side is steep: bisection
             low, high = np.zeros_like(aim), np.full_like(aim, self.widest)
             for _ in range(54):
                 middle = (low + high) / 2
@@ -216,15 +216,15 @@ class LayerContact:
             out = (low + high) / 2
         return np.where(wanted > 0, out, 0.0)
 
-    def _begin(self, by: Literal["force", "indentation"]) -> tuple[Floats, Floats]:
-        """Radii, and a law at them, between which it is begun."""
-        if by not in self._begun:
+    def _first_guesses(self, by: Literal["force", "indentation"]) -> tuple[Floats, Floats]:
+        """Return radii and the law at them, for first guesses."""
+        if by not in self._guesses:
             radii = self.widest * np.geomspace(NARROWEST, 1, 256)
-            self._begun[by] = radii, self.force(radii) if by == "force" else self.indentation(radii)
-        return self._begun[by]
+            self._guesses[by] = radii, self.force(radii) if by == "force" else self.indentation(radii)
+        return self._guesses[by]
 
     @cached_property
-    def _begun(self) -> dict[str, tuple[Floats, Floats]]:
+    def _guesses(self) -> dict[str, tuple[Floats, Floats]]:
         return {}
 
     @cached_property
@@ -250,5 +250,5 @@ class LayerContact:
 
 @lru_cache(maxsize=64)
 def layer_contact(body: Body, nu: float, size: float = 1.0) -> LayerContact:
-    """The tables of a body on a layer, made once."""
+    """Return the tables of a body on a layer, cached."""
     return LayerContact(body, nu, size)

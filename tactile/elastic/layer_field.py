@@ -1,4 +1,4 @@
-"""Field of a point load on a bonded layer as polynomials of nearness, for what asks for it taxel by taxel.
+"""Field of a point load on a bonded layer as piecewise polynomials of 1 / sqrt(1 + t), for compiled inverses.
 
 With lengths in depths and the taxel at (x, y) from the load, s = Q x + R y,
 
@@ -16,23 +16,23 @@ from cnnsim.support import Floats, InputError
 from tactile.elastic.medium import Felt, Medium
 
 PARTS = 256
-"""Stretches of 1 / sqrt(1 + t) from 0, endlessly far, to 1, right above; the spline is good to 1e-7 of the peak."""
+"""Intervals of 1 / sqrt(1 + t) from 0, infinitely far, to 1, right above; the spline is good to 1e-7 of the peak."""
 THICK = 1e3
-"""Depths from which on a layer differs by less than 1e-6 from the half-space."""
+"""Thickness in depths above which a layer differs by less than 1e-6 from the half-space."""
 HALF_SPACE: Floats = np.empty((0, 5, 4))
-"""What stands for the half-space: no table."""
+"""The half-space: an empty table."""
 FARTHEST = 30.0
-"""Thicknesses from a load beyond which a bonded layer feels nothing."""
+"""Distance in thicknesses beyond which a bonded layer's field is 0."""
 
 
 def layer_field(thickness: float | None, depth: float, strain: bool) -> Floats:
-    """Return the polynomials (stretches, 5, 4) of N, M, S, O and E over 1 / sqrt(1 + t), Poisson's ratio 1/2.
+    """Return the polynomials (intervals, 5, 4) of N, M, S, O and E over 1 / sqrt(1 + t), Poisson's ratio 1/2.
 
-    Entry (i, f, p) weighs the p-th power of the part of stretch i that is passed. Signals are strains times
+    Entry (i, f, p) multiplies the p-th power of the share of interval i that is passed. Signals are strains times
     4 pi E z^2 / 3 or stresses times 2 pi z^2 / 3.
 
-    Arguments: ``thickness`` of the layer and ``depth`` z of the taxels [m]; None where the thickness is not known: the
-    table is empty then, as it is of a layer so thick that it is a half-space. ``strain``: what is felt, else stress.
+    Arguments: ``thickness`` of the layer and ``depth`` z of the taxels [m]; None where the thickness is unknown: the
+    table is empty then, as for a layer so thick that it is a half-space. ``strain``: the reading, else stress.
 
     Raises:
         InputError: taxels that lie deeper than the layer is thick.
@@ -62,7 +62,7 @@ def _table(thickness: float, quantity: Felt) -> Floats:
 
 
 def _added(rho: Floats, thickness: float, quantity: Felt) -> Floats:
-    """Return what the layer adds to the functions (n, 5) of the half-space, at these distances in depths."""
+    """Return the layer's share of the functions (n, 5) at distances in depths."""
     from tactile.elastic.layer_loads import waves_of  # brings scipy's special functions
 
     k, normal, normal_shear, shear_normal, shear, across = waves_of(1 / thickness, Medium(1.0, quantity=quantity))

@@ -1,4 +1,4 @@
-"""Strain and stress that a bonded layer adds to the half-space under point loads, from tables made once a depth."""
+"""Strain and stress under point loads on a bonded layer: its share, layer minus half-space, from cached tables."""
 
 from functools import lru_cache
 
@@ -15,7 +15,7 @@ from tactile.elastic.layer import transfer
 from tactile.elastic.medium import Felt, Medium
 
 REACH = 30.0
-"""Thicknesses from a load beyond which a bonded layer feels nothing: its field dies out exponentially."""
+"""Distance in thicknesses beyond which a bonded layer's field is 0: it decays exponentially."""
 POINTS = 640
 """Radii in a table, denser near the load; the spline between them is good to 1e-8 of the peak."""
 PANEL = 14.0
@@ -23,7 +23,7 @@ PANEL = 14.0
 
 
 def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium) -> Floats:
-    """Layer minus half-space under point loads.
+    """Return layer minus half-space under point loads.
 
     With N(k) the difference of the transfer functions, a load P = (Q, R, F) at distance rho = |(x, y)| adds
 
@@ -32,8 +32,7 @@ def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: 
             - ((2 x^2 / rho^2 - 1) Q + 2 x y / rho^2 R) I2[(shear - across) / 2]
 
     and yz alike, where Im[N] = integral of k N(k) Jm(k rho) dk / (2 pi). The difference falls off like exp(-k (2 h -
-    z)), so the integrals are short and smooth whatever the depth, and what is left of the sum far away is the small
-    field of the layer.
+    z)), so the integrals are short and smooth at any depth. Far from a load the sum of both is the layer's small field.
 
     Arguments: ``positions`` (..., 2) [m]; ``depth`` [m], at most ``thickness``; ``loads`` (..., n, 5) rows
     (x, y, Q, R, F) [m, N]; ``thickness`` h [m], infinite for none. Returns (..., 3).
@@ -68,7 +67,7 @@ def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: 
 
 
 def layered_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
-    """Strain or stress under point loads on the half-space, or on the layer where the medium has a thickness.
+    """Return strain or stress under point loads on the half-space, or on the layer where the medium has a thickness.
 
     Arguments, shapes and errors: as ``halfspace.point_load`` and ``layer_term``.
     """
@@ -79,7 +78,7 @@ def layered_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: M
 
 
 def waves_of(depth: float, medium: Medium) -> tuple[Floats, ...]:
-    """Return wavenumbers k and, there, k times layer minus half-space over 2 pi, times their quadrature's weights.
+    """Return wavenumbers k and, at them, k / 2 pi times layer minus half-space times the quadrature weights.
 
     normal, normal_shear, shear_normal, shear and across of `Transfer`, for thickness 1; ``depth`` over the thickness.
     """
@@ -93,7 +92,7 @@ def waves_of(depth: float, medium: Medium) -> tuple[Floats, ...]:
 
 @lru_cache(maxsize=64)
 def layer_table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
-    """The five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""
+    """Return the five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""
     k, normal, normal_shear, shear_normal, shear, across = waves_of(depth, Medium(1.0, nu, quantity))
     root = np.linspace(0, 1, POINTS)
     phase = k * (REACH * root**2)[:, None]

@@ -1,7 +1,7 @@
-"""Slip under a round body on a layer: where it still sticks, and what is taken off the tractions of full sliding there.
+"""Partial slip under a round body on a layer: the circle that sticks, and the reduction of the traction in it.
 
-Under a pull that grows for the first time the traction is q = mu (p - p*): full sliding, less p* on the circle that
-sticks, whose surface moves as one. A layer moves under waves along a drag by other shares of the half-space than under
+Under a pull that grows for the first time the traction is q = mu (p - p*): that of full sliding, less p* on the circle
+that sticks, which moves as one. A layer moves under waves along a drag by other shares of the half-space than under
 those across it, so that p* is q0(r) along the pull and q2(r) (cos 2 phi, sin 2 phi). With W of p, W0 and W2 their line
 weights (see ``profiles``; the transform of q2 is that of W2, whose integral is 0), X = W0 + W2 and Y = W0 - W2 part:
 
@@ -9,10 +9,10 @@ weights (see ``profiles``; the transform of q2 is that of W2, whose integral is 
 
 and alike Y with M_across, M being the cosine transforms of 1 - T(k h), T the layer's compliance over the half-space's.
 The two constants make the integral of X - Y and W0(c) vanish. On the half-space this is Cattaneo's and Mindlin's
-answer, p* being the pressure of a contact of radius c, and W2 = 0. On a layer it is put together, by its force, from
-two shapes that depend on the circle that sticks alone, so that tables of one radius do: the pressure of a contact of
-radius c, and p* under one wider by a quarter. As there, slip is taken to lie along the pull: what lies across is left
-out, which is 2.5 % of the largest that is felt on the half-space (nu = 1/2) and no more on a layer.
+answer, p* being the pressure of a contact of radius c, and W2 = 0. On a layer it is interpolated, by its force, between
+two shapes that depend on the stuck circle alone, so that tables of one radius suffice: the pressure of a contact of
+radius c, and p* under one wider by a quarter. As there, slip is taken to lie along the pull: the part
+across is left out, 2.5 % of the largest reading on the half-space (nu = 1/2) and no more on a layer.
 
 Source: Cattaneo (1938), Mindlin (1949); ``layer_contact`` for the weights.
 """
@@ -41,16 +41,16 @@ CONTACTS, CIRCLES, SHARES = 32, 20, 33
 RADII, ANGLES = 64, 33
 """Of the table of the shape under a wider contact."""
 WIDER = 1.25
-"""Contact over circle of that shape: of 1.25 to 5, the one nearest to the rings of light pulls, which are hardest."""
+"""Contact over circle of that shape: of 1.25 to 5, the nearest to the rings of light pulls, the hardest case."""
 ALIKE = 3e-4
-"""Shapes that differ by less are the same."""
+"""Relative difference below which two shapes are the same."""
 Stuck = tuple[Floats, Floats]
 """W0 and W2 at places from 0 to 1 of the circle's radius, for a force of 1, times that radius."""
 
 
 @dataclass(frozen=True)
 class LayerSlip:
-    """The circle that sticks under a body on a layer of unit thickness."""
+    """The stuck circle under a body on a layer of unit thickness."""
 
     law: LayerContact
 
@@ -79,19 +79,19 @@ class LayerSlip:
         return Profile(f"drag under a {law.body} on a layer", weight(tables[0]), size, turned=weight(tables[1]))
 
     def radius(self, contact: Floats, share: Floats) -> Floats:
-        """Radius of the circle on which p* carries a share, 0 to 1, of the force of a contact of this radius."""
+        """Return the radius of the circle on which p* carries a share, 0 to 1, of a contact's force."""
         at, root = self._at(contact, share)
         out: Floats = contact * root * self._tables[0].ev(at, root)
         return out
 
     def share(self, contact: Floats, circle: Floats) -> Floats:
-        """The share of the force that p* carries on a circle: the inverse of ``radius``."""
+        """Return the share of the force that p* carries on a circle: the inverse of ``radius``."""
         part = np.clip(circle / np.where(contact > 0, contact, 1.0), 0, 1)
         out: Floats = (part * self._tables[2].ev(*np.broadcast_arrays(self.law.place(contact), part))) ** 3
         return np.clip(out, 0, 1)
 
     def pressed(self, contact: Floats, share: Floats) -> Floats:
-        """What of p* is shaped like the pressure of a contact as wide as that circle; the rest like ``profile``."""
+        """Return the share of p* with the shape of a contact's pressure on that circle; the rest has ``profile``."""
         out: Floats = self._tables[1].ev(*self._at(contact, share))
         return out
 
@@ -101,10 +101,7 @@ class LayerSlip:
 
     @cached_property
     def _tables(self) -> tuple[RectBivariateSpline, RectBivariateSpline, RectBivariateSpline]:
-        """c / a over the third root of the share, which is 1 on the half-space; what is shaped like a pressure.
-
-        And that root over c / a.
-        """
+        """Tables of c / a over the cube root of the share, of ``pressed``, and of that root over c / a."""
         law = self.law
         at = np.linspace(0, float(law.place(np.array([law.widest]))[0]), CONTACTS)
         roots, nodes = np.linspace(0, 1, SHARES), (gauss(24)[0] + 1) / 2
@@ -127,20 +124,20 @@ class LayerSlip:
         return one, two, three
 
     def _mixed(self, circle: float, here: Stuck, nodes: Floats) -> float:
-        """The share by which the two shapes come nearest."""
+        """Return the share of the first shape in the mixture nearest to the solution."""
         theta, lam, step = np.arcsin(nodes), np.full(len(nodes), circle), gauss(24)[1]
         narrow = np.concatenate([self.law.profile.weight(theta, lam) / np.cos(theta), 0 * nodes])
         turned = self.profile.turned
         assert turned is not None
         wide = np.concatenate([of(theta, lam) / np.cos(theta) for of in (self.profile.weight, turned)])
         both, gap = np.tile(step, 2), narrow - wide
-        # where they hardly differ it is the pressure
+        # the pressure where both hardly differ
         rest = ALIKE**2 * float(both @ narrow**2)
         return float((both @ ((np.concatenate(here) - wide) * gap) + rest) / (both @ gap**2 + rest))
 
 
 class _Under:
-    """What sticks under a contact of one radius."""
+    """Stuck circles under a contact of one radius."""
 
     def __init__(self, law: LayerContact, radius: float) -> None:
         self.law, self.radius = law, radius
@@ -149,7 +146,7 @@ class _Under:
         self.drags = cosine_transform(along_excess, law.nu), cosine_transform(across_excess)
 
     def stuck(self, circle: float, at: Floats) -> tuple[Stuck, float]:
-        """W0 and W2 at places 0 to 1 on a circle, and what it carries of the force."""
+        """Return W0 and W2 at places 0 to 1 on a circle, and its share of the force."""
         nodes, weights = gauss(16 + int(4 * circle))
         t, step, rim = circle * (nodes + 1) / 2, circle * weights / 2, np.array([circle])
         every = np.concatenate([t, rim])
@@ -177,5 +174,5 @@ class _Under:
 
 @lru_cache(maxsize=16)
 def layer_slip(law: LayerContact) -> LayerSlip:
-    """The tables of a body, made once."""
+    """Return the tables of a body, cached."""
     return LayerSlip(law)

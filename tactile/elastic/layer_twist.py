@@ -1,8 +1,8 @@
-"""A circle that sticks to a bonded layer and is twisted: its traction as the slope of a pressure, from tables.
+"""Twist of a circle that sticks to a bonded layer: its traction as the slope of a pressure, from tables.
 
 Under a twist M the traction across the radius is -M / 2 times the slope of a pressure p of unit force, as on the
 half-space, where p is Hertz'. With W the line weight of p (see ``profiles``), g = -W' and the layer's compliance
-tanh(k h) / (G k), a rigid turn of the circle asks for
+tanh(k h) / (G k), a rigid rotation of the circle requires
 
     g(t) - (1 / pi) integral over s = 0 .. a of  (M(t - s) - M(t + s)) g(s) ds  ~  t,
 
@@ -27,7 +27,7 @@ RADII, ANGLES = 120, 49
 
 @lru_cache(maxsize=1)
 def layer_twist() -> Profile:
-    """The pressure p; its lam is the circle's radius over the thickness, at most ``WIDEST``."""
+    """Return the pressure p; its lam is the circle's radius over the thickness, at most ``WIDEST``."""
     places = np.linspace(0, np.arcsinh(4 * WIDEST), RADII)
     angles = np.linspace(0, np.pi / 2, ANGLES)
     ratio = np.ones((RADII, ANGLES))
@@ -44,7 +44,7 @@ def layer_twist() -> Profile:
 
 
 def _ratio(a: float, at: Floats) -> Floats:
-    """W over Hertz' at places from 0 to 1 of the radius ``a`` in thicknesses."""
+    """Return W over Hertz' at places from 0 to 1 of the radius ``a`` in thicknesses."""
     felt = cosine_transform(across_excess)
     nodes, weights = gauss(16 + int(4 * a))
     t, step = a * (nodes + 1) / 2, a * weights / 2

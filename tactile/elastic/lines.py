@@ -1,4 +1,4 @@
-"""Contacts along a line, an edge or a lying cylinder, as point loads that taxels cannot tell from them."""
+"""Contacts along a line, of an edge or a lying cylinder, as Gauss points; their half width and indentation."""
 
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 MOST_NODES = 2000
-"""Nodes along one direction; a longer contact, or a shallower taxel, is refused."""
+"""Most nodes along one direction; longer contacts over shallower taxels are refused."""
 
 
 def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> Floats:
-    """A straight edge that presses with the same force everywhere, as Gauss points along it.
+    """Return Gauss points of a straight edge that presses with the same force everywhere.
 
-    The nodes' number grows with length / depth so that the error stays below 1e-10 of the field at that depth.
+    The number of nodes grows with length / depth so that the error stays below 1e-10 of the field at that depth.
 
     Arguments: ``load`` (..., 5) rows (x, y, Q, R, F): middle [m] and total force [N]; ``length`` [m]; ``angle``
     [rad] from x towards y; ``depth`` [m] of the taxels. Returns (..., m, 5).
@@ -36,11 +36,11 @@ def edge_loads(load: ArrayLike, length: float, angle: float, depth: float) -> Fl
 def cylinder_loads(
     load: ArrayLike, length: float, half_width: ArrayLike, angle: float, depth: float, medium: Medium | None = None
 ) -> Floats:
-    """A lying cylinder: uniform along its axis, p ~ sqrt(1 - s^2 / b^2) across, as products of Gauss points.
+    """Return Gauss points of a lying cylinder: uniform along its axis, p ~ sqrt(1 - s^2 / b^2) across.
 
     Arguments: ``half_width`` b (...) [m] from ``cylinder_half_width``; ``medium``: a layer, on which the pressure
-    across is that of ``strip_contact``; the others as ``edge_loads``. The ends carry no stress concentration: the
-    cylinder is taken to be a little rounded there.
+    across is that of ``strip_contact``; the others as ``edge_loads``. The ends carry no stress concentration, as
+    if slightly rounded.
 
     Raises:
         InputError: as ``edge_loads``.
@@ -62,7 +62,7 @@ def cylinder_loads(
 
 
 def cylinder_half_width(force: ArrayLike, length: float, radius: float, medium: Medium) -> Floats:
-    """b = sqrt(4 P R / (pi E* L)) [m] on the half-space, that of ``strip_contact`` on a layer.
+    """Return b = sqrt(4 P R / (pi E* L)) [m] on the half-space, that of ``strip_contact`` on a layer.
 
     Raises:
         InputError: on a layer, a contact beyond the tables.
@@ -82,17 +82,17 @@ def cylinder_half_width(force: ArrayLike, length: float, radius: float, medium: 
 def line_indentation(
     force: ArrayLike, length: float, half_width: Floats, medium: Medium, middle: bool = False
 ) -> Floats:
-    """Indentation [m] of a rigid body that presses along a line of length L, 0 where nothing presses.
+    """Return the indentation [m] of a rigid body along a line of length L, 0 where nothing presses.
 
-    The mean along the line of what its middle line sinks in under a pressure uniform along it and elliptic across 2 b,
+    It is the mean displacement along the line under a pressure uniform along it and elliptic across 2 b,
 
         P / (pi E* L) (2 ln(4 L / b) - 1 + (8 / 3 pi) (b / L) - (b / L)^2 / 8).
 
-    A rigid body sinks in alike everywhere, and its pressure makes the energy least, so that the mean is off by the
-    square of what the pressure is: 2 % at most down to L = 4 b. The base of a layer h thick takes away 2 / h times the
-    integral from 0 to L of (1 - x / L) d(r / h) dx, averaged over the pressure across, d being the layer's own surface
-    displacement under a point, see ``rough_contact``. An incompressible layer much thinner than b is wide is squeezed
-    out at the ends, where the pressure falls: there ``middle``, what the middle alone sinks in, is less by far.
+    The pressure of a rigid body minimises the energy, so that the error of the mean is quadratic in that of the
+    pressure: 2 % at most down to L = 4 b. The base of a layer h thick reduces it by 2 / h times the integral from 0
+    to L of (1 - x / L) d(r / h) dx, averaged over the pressure across, with d the base's reduction under a point, see
+    ``rough_contact``. An incompressible layer much thinner than b is squeezed out at the ends, where the pressure
+    falls: there the indentation of the ``middle`` alone is much smaller.
 
     Arguments: ``force`` P [N] and ``half_width`` b [m], of one shape.
 
@@ -110,17 +110,17 @@ def line_indentation(
 
 @lru_cache(maxsize=64)
 def _base(length: float, nu: float, middle: bool) -> "CubicSpline":
-    """What the base and the pressure's shape take away of the bracket, by the half width; lengths in thicknesses."""
+    """Return the reduction of the bracket by the base and the pressure's shape, over the half width in thicknesses."""
     from scipy.interpolate import CubicSpline  # SciPy only where a layer asks for it
 
-    from tactile.elastic.rough_contact import REACH, taken_away  # the same
+    from tactile.elastic.rough_contact import REACH, base_reduction  # the same
     from tactile.elastic.strip_contact import WIDEST, strip_contact  # the same
 
     far = length / 2 if middle else length
     end = min(far, REACH)
     x, step = panels(end, int(np.ceil(end / 2)))
     step = step * (1.0 if middle else 1 - x / length)
-    # across by the angle, its cube drawing the nodes to the middle, where the line's own field has a logarithm
+    # across by the angle; its cube moves nodes to the middle, where the line's field has a logarithm
     root, share = gauss(64)
     angle = np.pi / 2 * ((root + 1) / 2) ** 3
     share = share * np.cos(angle) ** 2 * (root + 1) ** 2  # an ellipse, to be of sum 1
@@ -130,8 +130,8 @@ def _base(length: float, nu: float, middle: bool) -> "CubicSpline":
         across = share * strip_contact(nu).shape(np.full(64, b), np.sin(angle))
         across /= across.sum()
         s = b * np.sin(angle)
-        felt = taken_away(nu)(np.minimum(np.hypot(x, s[:, None]), REACH)) @ step
-        # far away nothing moves: all that the half-space would, 1 / r
+        felt = base_reduction(nu)(np.minimum(np.hypot(x, s[:, None]), REACH)) @ step
+        # far away the layer does not move: the whole 1 / r of the half-space is removed
         near = np.maximum(s, 1e-9)
         beyond = np.arcsinh(far / near) - np.arcsinh(end / near)
         if not middle:

@@ -1,4 +1,4 @@
-"""The elastic cover as numbers: stiffness, Poisson's ratio, and whether its taxels feel strain or stress."""
+"""Elastic medium: Young's modulus, Poisson's ratio, thickness, and whether strain or stress is read."""
 
 import math
 from dataclasses import dataclass
@@ -7,13 +7,13 @@ from typing import Literal, get_args
 from cnnsim.support import InputError
 
 Felt = Literal["strain", "stress"]
-"""What a taxel inside the cover measures."""
+"""The quantity that a taxel measures."""
 FELT = get_args(Felt)
 
 
 @dataclass(frozen=True)
 class Medium:
-    """A homogeneous, isotropic, linear elastic body and what is read from it.
+    """A homogeneous, isotropic, linear elastic body, and the quantity read from it.
 
     Arguments: ``modulus`` Young's modulus E [Pa]; ``nu`` Poisson's ratio, 0 to 1/2; ``quantity``: "strain" reads
     (u_xz, u_yz, u_zz), "stress" reads (sigma_xz, sigma_yz, sigma_zz) [Pa]; ``thickness`` [m] of a layer bonded to a
@@ -51,9 +51,9 @@ class Medium:
 
     @property
     def reading(self) -> tuple[float, float]:
-        """(c, n): what is read is c (sigma_xz, sigma_yz, sigma_zz - n P . grad(V) / pi), V the potential of the load.
+        """(c, n) of the reading c (sigma_xz, sigma_yz, sigma_zz - n P . grad(V) / pi), V the potential of the load.
 
-        Stress is read with (1, 0). Strain is read with ((1 + nu) / E, nu), because the trace of the stress under
+        (1, 0) for stress; for strain ((1 + nu) / E, nu), as the trace of the stress under
         any surface load is (1 + nu) / pi times P . grad(V).
         """
         return (1.0, 0.0) if self.quantity == "stress" else ((1 + self.nu) / self.modulus, self.nu)

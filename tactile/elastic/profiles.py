@@ -1,11 +1,11 @@
-"""Axisymmetric tractions on a circle: a pressure profile as a weight on a line, and what indenter makes it.
+"""Axisymmetric pressures on a circle as weights on a line of complex sources, and the laws of their indenters.
 
 Any axisymmetric density on a circle of radius a acts like a line of complex point sources at depths -i t,
 
     potential(rho, z) = integral over t = -a .. a of  w(t) / sqrt(rho^2 + (z + i t)^2),
 
-so one even weight w(t), with integral 1, says all there is to say of a profile. With t = a sin(theta) every weight
-here is smooth in theta. Source: Copson (1947); Johnson, Contact Mechanics, sect. 3.8; Sneddon (1965).
+so one even weight w(t), with integral 1, defines a profile. With t = a sin(theta) every weight here is smooth in
+theta. Source: Copson (1947); Johnson, Contact Mechanics, sect. 3.8; Sneddon (1965).
 """
 
 import math
@@ -25,8 +25,8 @@ class Profile:
     """A shape of pressure. ``weight(theta, lam)`` is w(t) dt / d theta, integral over -pi/2 .. pi/2 equal to 1.
 
     ``lam`` is the contact radius over the length that the shape depends on (the tip's radius, a layer's thickness), 0
-    elsewhere; ``limit``: the largest lam, which the shape nears without end; ``waves``: its Hankel transform by k a,
-    where that has a closed form; ``turned``: of a tangential load on a layer the weight of a part that lies along
+    elsewhere; ``limit``: the largest lam, an asymptote; ``waves``: its Hankel transform over k a, where that has
+    a closed form; ``turned``: of a tangential load on a layer the weight of a part that lies along
     (cos 2 phi, sin 2 phi) where the load is along x, integral 0.
     """
 
@@ -37,7 +37,7 @@ class Profile:
     turned: Callable[[Floats, Floats], Floats] | None = None
 
     def mean_radius(self, lam: Floats) -> Floats:
-        """Mean distance from the middle at which the pressure acts, over the circle's radius, of lam (...).
+        """Return the mean distance of the pressure from the middle, over the circle's radius, for lam (...).
 
         pi times the integral of t w(t) from 0 to 1: 3 pi / 16 of Hertz' pressure, pi / 4 under a flat end.
         """
@@ -76,15 +76,15 @@ FLAT_PUNCH = Profile("flat punch", lambda theta, _: np.cos(theta) / 2, waves=lam
 UNIFORM = Profile("uniform", lambda theta, _: 2 / np.pi * np.cos(theta) ** 2, waves=_uniform_waves)
 """p = P / (pi a^2)."""
 HERTZ = Profile("hertz", lambda theta, _: 0.75 * np.cos(theta) ** 3, waves=_hertz_waves)
-"""p = 3 P sqrt(1 - r^2 / a^2) / (2 pi a^2): a smooth rounded body, shallow."""
+"""p = 3 P sqrt(1 - r^2 / a^2) / (2 pi a^2): a paraboloid."""
 ROUND_TIP = Profile("round tip", _sphere_weight, 1.0)
-"""A rigid hemisphere pressed in to any depth, its contact radius nearing its own; Hertz where it is shallow."""
+"""A rigid hemisphere at any depth, its contact radius below its own; Hertz' pressure where it is shallow."""
 
 
 def hertz_radius(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Floats:
     """a = cbrt(3 P R / (4 E*)) [m], 0 where nothing presses. Source: Johnson, eq. (4.22)."""
     pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
-    # roots first: the product of a very small force and a very small radius is no number any more
+    # roots first: the product of a very small force and a very small radius underflows
     radius: Floats = np.cbrt(pressing) * np.cbrt(0.75 * tip_radius / contact_modulus)
     return radius
 
@@ -111,8 +111,8 @@ def punch_force(indentation: ArrayLike, radius: float, contact_modulus: float) -
 def round_tip_radius(force: ArrayLike, tip_radius: float, contact_modulus: float) -> Floats:
     """Contact radius a [m] of a rigid hemisphere of radius R: P = E* ((a^2 + R^2) atanh(a / R) - a R).
 
-    Solved by bisection in atanh(a / R), which a soft body and a thin needle make large: 20 mN on rubber press a
-    needle of 100 um in to its full width, where Hertz would have a contact wider than the needle.
+    Solved for atanh(a / R), which is large for soft bodies and thin needles: 20 mN press a needle of 100 um into rubber
+    to its full width, where Hertz' contact would be wider than the needle.
 
     Raises:
         InputError: a tip radius that is not positive.
@@ -135,11 +135,11 @@ def round_tip_indentation(force: ArrayLike, tip_radius: float, contact_modulus: 
 
 
 STEPS = 60
-"""As many as halve a bracket to rounding; five or six of Newton's are usual."""
+"""Most steps, enough for bisection to rounding; five or six of Newton's method are usual."""
 
 
 def _round_tip(force: ArrayLike, tip_radius: float, contact_modulus: float) -> tuple[Floats, Floats]:
-    """a / R where it is shallow, and atanh(a / R)."""
+    """Return a / R by Hertz' law, and atanh(a / R)."""
     wanted = np.maximum(np.asarray(force, dtype=np.float64), 0) / contact_modulus / tip_radius**2
     shallow = np.cbrt(0.75 * wanted)
     bends = np.empty(wanted.size)

@@ -1,4 +1,4 @@
-"""A rigid body of any shape pressed onto a half-space or layer: pressures on a grid, by conjugate gradients."""
+"""Contact of a rigid body of any shape with a half-space or layer: pressures on a grid, by conjugate gradients."""
 
 from functools import lru_cache
 
@@ -13,23 +13,23 @@ from tactile.elastic.layer_contact import excess
 from tactile.elastic.medium import Medium
 
 STEPS = 1000
-"""Steps of the solver at most; a contact of 128 x 128 cells takes some dozens."""
+"""Most steps of the solver; a contact of 128 x 128 cells takes some dozens."""
 TOLERANCE = 1e-6
-"""What is left of the gap, over the indentation."""
+"""Largest residual gap, relative to the indentation."""
 ACROSS = 3
-"""Gauss points across a cell, over which what the base takes away is averaged: a thin, incompressible cover yields by
-what is left of two large displacements."""
+"""Gauss points across a cell, over which the base's reduction is averaged: the displacement of a thin, incompressible
+cover is the difference of two large ones."""
 REACH = 40.0
-"""Thicknesses beyond which the layer's surface does not move: less than 1e-6 of its largest displacement."""
+"""Distance in thicknesses beyond which the layer's surface does not move, to 1e-6 of its largest displacement."""
 
 
 class RoughContact:
     """Pressures under a body whose underside has heights (rows, cols) [m] over a plane, cells of one pitch [m].
 
-    Its ``lowest`` height [m] may lie between the cells' middles; None for the lowest of theirs.
+    ``lowest`` height [m], which may lie between the cells' middles; None for the lowest of them.
 
     Minimises p G p / 2 - p (indentation - height) over pressures p >= 0 (no pull, no friction), G the displacement of a
-    cell under pressure on another: Love's square on the half-space, less what the base takes away,
+    cell under pressure on another: Love's square on the half-space, less the base's reduction,
     pitch^2 / (pi E* h) integral of (1 - T(k)) J0(k r / h) dk.
 
     Raises:
@@ -48,7 +48,7 @@ class RoughContact:
 
     def _transform(self) -> None:
         self._size = [fft.next_fast_len(2 * n - 1, real=True) for n in self.gap.shape]
-        # where none of them is so far from another nothing is asked for
+        # distances beyond the grid, which padding adds, are never used
         rows, cols = (
             np.minimum(np.minimum(np.arange(n), n - np.arange(n)), m - 1)
             for n, m in zip(self._size, self.gap.shape, strict=True)
@@ -56,21 +56,21 @@ class RoughContact:
         self._transfer = fft.rfft2(self._moved[rows[:, None], cols])
 
     def part(self, box: tuple[slice, slice]) -> "RoughContact":
-        """The same on these rows and columns of its cells alone."""
+        """Return the contact on these rows and columns alone."""
         made: RoughContact = object.__new__(RoughContact)
         made.gap, made.pitch, made.medium, made._moved = self.gap[box], self.pitch, self.medium, self._moved
         made._transform()
         return made
 
     def sunk(self, pressure: Floats) -> Floats:
-        """Displacement (rows, cols) [m] of the surface under pressures [Pa]."""
+        """Return the displacement (rows, cols) [m] of the surface under pressures [Pa]."""
         rows, cols = self.gap.shape
         waves = fft.rfft2(pressure, s=self._size)
         out: Floats = fft.irfft2(waves * self._transfer, s=self._size)[:rows, :cols]
         return out
 
     def pressed(self, indentation: float, start: Floats | None = None) -> Floats:
-        """Pressures (rows, cols) [Pa] at an indentation [m] of the lowest point; ``start``: a first guess.
+        """Return the pressures (rows, cols) [Pa] at an indentation [m] of the lowest point; ``start``: a first guess.
 
         Raises:
             InputError: an indentation as deep as the layer is thick; no answer after a thousand steps.
@@ -85,7 +85,7 @@ class RoughContact:
         if indentation <= 0:
             return np.zeros_like(wanted)
         way, last, touching = np.zeros_like(wanted), 1.0, pressure > 0
-        left, summed = wanted - self.sunk(pressure), True  # above 0 where the body is still in the way
+        left, summed = wanted - self.sunk(pressure), True  # above 0 where the body overlaps the surface
         for _ in range(STEPS):
             now = (pressure > 0) | (left > 0)
             rest = np.where(now, left, 0.0)
@@ -105,7 +105,7 @@ class RoughContact:
             if summed:
                 pressure = np.maximum(pressure, 0.0)
                 left = wanted - self.sunk(pressure)
-            else:  # what is linear need not be summed anew
+            else:  # linear: no new sum
                 left = left - step * under
         raise InputError(
             f"no pressures found for an indentation of {indentation * 1e3:.4g} mm in {STEPS} steps; less wanted"
@@ -113,7 +113,7 @@ class RoughContact:
 
 
 def _displacement(x: Floats, y: Floats, pitch: float, medium: Medium) -> Floats:
-    """Of a cell at (x, y) under 1 Pa on the one at (0, 0) [m / Pa]."""
+    """Return the displacement [m / Pa] of a cell at (x, y) under 1 Pa on the one at (0, 0)."""
     out = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for sign_x in (1, -1):
         for sign_y in (1, -1):
@@ -127,15 +127,15 @@ def _displacement(x: Floats, y: Floats, pitch: float, medium: Medium) -> Floats:
         for a, along in zip((nodes * pitch / 2).tolist(), weights.tolist(), strict=True):
             for b, across in zip((nodes * pitch / 2).tolist(), weights.tolist(), strict=True):
                 rho = np.minimum(np.hypot(x + a, y + b) / h, REACH)
-                taken += along * across / 4 * taken_away(medium.nu)(rho)
+                taken += along * across / 4 * base_reduction(medium.nu)(rho)
         far = np.hypot(x, y) >= REACH * h
         out -= np.where(far, out, taken * pitch**2 / (np.pi * medium.contact_modulus * h))
     return out
 
 
 @lru_cache(maxsize=16)
-def taken_away(nu: float) -> CubicSpline:
-    """The integral of (1 - T(k)) J0(k rho) over the layer's waves, by the distance in thicknesses up to `REACH`."""
+def base_reduction(nu: float) -> CubicSpline:
+    """Return the integral of (1 - T(k)) J0(k rho) dk over the distance rho in thicknesses, up to ``REACH``."""
     k, weights = panels(20.0, 80)
     rho = np.linspace(0, REACH, 1201)
     return CubicSpline(rho, j0(np.outer(rho, k)) @ (excess(k, nu) * weights))

@@ -1,6 +1,6 @@
-"""A long rigid cylinder lying on a layer bonded to a rigid base: half width, and pressure across.
+"""Contact of a long rigid cylinder with a layer bonded to a rigid base: half width, and pressure across.
 
-With lengths in thicknesses, forces for E* = R = 1, the pressure p over |x| < b solves, for no jump in the slope,
+With lengths in thicknesses, forces for E* = R = 1, the pressure p over |x| < b solves, as its slope is continuous,
 
     (2 / pi) integral over s = -b .. b of  p(s) (1 / (x - s) - K(x - s)) ds  =  x,    p(b) = 0,
 
@@ -24,9 +24,9 @@ from tactile.elastic.layer_contact import excess
 WIDEST = 20.0
 """Half width over thickness where the tables end."""
 ACROSS = 65
-"""Places in a table from the middle, where the angle is a right one, to the rim."""
+"""Places in a table from the middle to the rim."""
 STEPS = 60
-"""Far more than the five of Newton's that any width takes."""
+"""Most Newton steps; any width takes five."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class StripContact:
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats]:
-        """Half widths, and there: force a length over the half-space's, and pressure over an ellipse (widths, at)."""
+        """Half widths, and at them the force per length over the half-space's, and the pressure over an ellipse."""
         k, weights = panels(24.0, 121)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
         step = excess(k, self.nu) * weights
         x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])
@@ -70,15 +70,15 @@ class StripContact:
         return RectBivariateSpline(np.arcsinh(4 * np.append(0, widths)), angles, np.vstack([np.ones(ACROSS), shape]))
 
     def force(self, width: Floats) -> Floats:
-        """Force a length at a half width."""
+        """Return the force per length at a half width."""
         out: Floats = self._force(np.arcsinh(4 * width)) * np.pi / 4 * width**2
         return out
 
     def width(self, force: Floats) -> Floats:
-        """Half width under a force a length: Newton, in logarithms.
+        """Return the half width under a force per length, by Newton's method in logarithms.
 
-        From the half-space's width, which is no narrower, it comes nearer from above: the force goes with the square of
-        the width where that is narrow, and with ever higher powers, up to the fifth.
+        It converges from above, starting at the half-space's width: the force grows like the width squared in narrow
+        contacts, and with powers up to the fifth in wide ones.
 
         Raises:
             InputError: beyond the tables.
@@ -101,12 +101,12 @@ class StripContact:
         return np.where(force > 0, width, 0.0)
 
     def shape(self, width: Floats, at: Floats) -> Floats:
-        """Pressure over that of an ellipse of the same force, at places from -1 to 1 across."""
+        """Return the pressure over that of an ellipse of the same force, at places from -1 to 1 across."""
         out: Floats = self._shape.ev(np.arcsinh(4 * width), np.arcsin(np.minimum(np.abs(at), 1.0)))
         return out
 
 
 @lru_cache(maxsize=16)
 def strip_contact(nu: float) -> StripContact:
-    """The tables of one Poisson's ratio, made once."""
+    """Return the tables of one Poisson's ratio, cached."""
     return StripContact(nu)

@@ -1,4 +1,4 @@
-"""Reading under a unit force spread over a circle, as six functions of distance and radius: half-space and layer.
+"""Reading under a unit force over a circle as six functions of distance and radius, on half-space and layer.
 
 With c = cos, s = sin of the azimuth of the taxel seen from the circle and A = Q c + R s, a load (Q, R, F) and a twist M
 give
@@ -26,19 +26,19 @@ Weight = Callable[[Floats, Floats], Floats]
 PANEL = 14.0
 """Phase of the fastest wave over one panel of 16 Gauss nodes: good to 1e-10."""
 SMOOTHED = 12.0
-"""A turned part ends in a singular rim, for what sticks under it is not quite a circle: that is smoothed over."""
+"""Wavenumber times thickness at which a turned part is smoothed: its rim is singular, the stuck area no circle."""
 TURNED_REACH = 14.0
-"""Thicknesses from a circle beyond which nothing is felt of a turned part: exp(-pi / 2 14) is 3e-10."""
+"""Thicknesses from a circle beyond which the field of a turned part is 0: exp(-pi / 2 14) is 3e-10."""
 PANEL_WIDTH = 2.5
-"""Waves (times the thickness) in one panel at most: the transfer functions have poles beside the axis at about 2, so
-that wider ones lose digits however slow the wave is, 1e-5 at 14."""
+"""Largest width of a panel, as a wavenumber times the thickness: transfer functions have poles near the real axis at
+about 2, so that wider panels lose digits, 1e-5 at 14."""
 
 
 def half_space(rho: Floats, radius: Floats, profile: Profile, lam: Floats, trace: float) -> Floats:
-    """The six functions (radii, distances, 6) on the half-space; ``trace`` as ``halfspace.point_scale`` gives it.
+    """Return the six functions (radii, distances, 6) on the half-space.
 
-    Arguments: ``rho`` (distances,), ``radius`` and ``lam`` (radii,); the twist is that whose traction is -1/2 of the
-    slope of this profile's pressure.
+    Arguments: ``rho`` (distances,), ``radius`` and ``lam`` (radii,); ``trace`` of ``halfspace.point_scale``. The
+    traction of the twist is -1/2 of the slope of the profile's pressure.
 
     Source: ``discs``, written by the azimuth.
     """
@@ -53,11 +53,11 @@ def half_space(rho: Floats, radius: Floats, profile: Profile, lam: Floats, trace
 def layer(
     rho: Floats, radius: Floats, profile: Profile, lam: Floats, medium: Medium, depth: float, fall: float = 46.0
 ) -> Floats:
-    """What a bonded layer adds to the half-space's six functions, (radii, distances, 6).
+    """Return the layer's share of the six functions (radii, distances, 6): layer minus half-space.
 
     The integral over the waves k of k N(k) w(k a) J_m(k rho) / 2 pi, where N is the difference of the transfer
-    functions and w the transform of the profile, w(k) = integral of its line weight times cos(k sin(theta)). What is
-    ``turned`` of the profile is added as a whole, smoothed over a thickness over ``SMOOTHED``.
+    functions and w the transform of the profile, w(k) = integral of its line weight times cos(k sin(theta)). The
+    profile's ``turned`` part is added as a whole, smoothed over a thickness over ``SMOOTHED``.
 
     Arguments: ``depth`` of the taxel over the layer's thickness; ``rho``, ``radius`` in thicknesses here; ``fall``: the
     waves end where the difference, which falls off like exp(-k (2 - depth)), has fallen by exp(-fall).
@@ -93,14 +93,14 @@ def layer(
 
 
 def _waves(top: float, rho: Floats, radius: Floats) -> tuple[Floats, Floats]:
-    """Waves from 0 to ``top``, and k dk / 2 pi."""
+    """Return wavenumbers from 0 to ``top``, and k dk / 2 pi."""
     widest = float(rho.max() + radius.max())
     k, weights = panels(top, int(np.ceil(top * max(widest / PANEL, 1 / PANEL_WIDTH))))
     return k, k * weights / (2 * np.pi)
 
 
 def _bessel(k: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
-    """J0, J1 and J2 of k rho, (distances, waves)."""
+    """Return J0, J1 and J2 of k rho, (distances, waves)."""
     phase = k * rho[:, None]
     zeroth, first = j0(phase), j1(phase)
     return zeroth, first, np.where(phase > 1e-3, 2 * first / np.maximum(phase, 1e-3) - zeroth, phase**2 / 8)
@@ -109,7 +109,7 @@ def _bessel(k: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
 def profile_waves(
     k: Floats, radius: Floats, weight: Weight, lam: Floats, closed: Callable[[Floats], Floats] | None = None
 ) -> Floats:
-    """Hankel transform (radii, waves) of a profile's density over circles, in closed form or from its weight."""
+    """Return the Hankel transform (radii, waves) of a profile over circles, in closed form or from its weight."""
     if closed is not None:
         return closed(np.multiply.outer(radius, k))
     out = np.empty((len(radius), len(k)))

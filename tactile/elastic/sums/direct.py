@@ -12,7 +12,7 @@ from tactile.elastic.sums.direct_numba import MANY, few_loads, few_loads_paralle
 THICKEST = 1e8
 """Depths from which on a layer is a half-space to rounding."""
 SERIAL_BELOW = 200_000
-"""Fewer pairs than this are done before the threads have woken up, or soon after."""
+"""Most pairs of loads and taxels that one thread computes: waking the others takes about as long."""
 
 
 def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:

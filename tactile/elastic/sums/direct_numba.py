@@ -1,7 +1,7 @@
-"""The direct sum's inner loops: one over taxels where there are few loads, one over loads where there are many.
+"""Inner loops of the direct sum: over taxels for few loads, over loads for many.
 
-Both are written so that LLVM makes vector code of them: the first keeps its three sums in one small array (with
-three output planes LLVM would have to prove that none overlaps another, and gives up), the second writes nothing.
+LLVM vectorises both: the first keeps its three sums in one small array (it cannot prove that three output planes do
+not overlap), the second writes nothing.
 """
 
 import math
@@ -13,9 +13,9 @@ from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.core.loads import F, Q, R, X, Y
 
 BLOCK = 256
-"""Taxels in a block: its places and sums stay in the first-level cache."""
+"""Taxels in a block, whose places and sums fit the first-level cache."""
 MANY = 24
-"""From so many loads a frame on, the loop over loads is the inner one."""
+"""Fewest loads in a frame for which the loop over loads is the inner one."""
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
@@ -57,7 +57,7 @@ def few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale):  #
         count = min(BLOCK, x_of.size - start)
         x_here, y_here = x_of[start : start + count], y_of[start : start + count]
         for n in range(first, last):
-            for i in range(count):  # not more than are there: arrays may be small
+            for i in range(count):
                 sums[i] = sums[i + BLOCK] = sums[i + 2 * BLOCK] = 0.0
             for m in range(loads.shape[1]):
                 if loads[n, m, Q] != 0 or loads[n, m, R] != 0 or loads[n, m, F] != 0:
@@ -71,7 +71,7 @@ def few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale):  #
 
 @kept_njit(parallel=True, error_model="numpy")
 def few_loads_parallel(x_of, y_of, loads, out, threads, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
-    """All frames, shared out over the threads."""
+    """All frames, divided among the threads."""
     for thread in prange(threads):
         first, last = thread * out.shape[0] // threads, (thread + 1) * out.shape[0] // threads
         few_loads(x_of, y_of, loads, out, first, last, over_depth, trace, scale)
@@ -79,7 +79,7 @@ def few_loads_parallel(x_of, y_of, loads, out, threads, over_depth, trace, scale
 
 @kept_njit(parallel=True, error_model="numpy")
 def many_loads(x_of, y_of, columns, out, threads, over_depth, trace, scale):  # type: ignore[no-untyped-def]  # the same
-    """One frame: out (taxels, 3) from the loads' columns (5, n), the taxels shared out over the threads."""
+    """One frame: out (taxels, 3) from the loads' columns (5, n), the taxels divided among the threads."""
     for thread in prange(threads):
         for i in range(thread * x_of.size // threads, (thread + 1) * x_of.size // threads):
             a, b, c = _sum_loads(x_of[i], y_of[i], columns, over_depth, trace)

@@ -1,4 +1,4 @@
-"""What a bonded layer adds to the half-space under point loads, load by load: ``layer_loads.layer_term``, compiled."""
+"""Share of a bonded layer in the field of point loads: ``layer_loads.layer_term``, compiled."""
 
 import math
 
@@ -19,7 +19,7 @@ def add_layer_term(out: Floats, positions: Floats, depth: float, loads: Floats, 
     """
     thickness = medium.thickness
     spline = layer_table(depth / thickness, medium.nu, medium.quantity)
-    table = np.ascontiguousarray(np.moveaxis(spline.c, 0, 1))  # (stretches, powers from the third down, functions)
+    table = np.ascontiguousarray(np.moveaxis(spline.c, 0, 1))  # (intervals, powers from the third down, functions)
     x, y = (np.ascontiguousarray(positions[:, axis]) for axis in (0, 1))
     unit = (1.0 if medium.quantity == "stress" else 1 / medium.modulus) / thickness**2
     _add(x, y, np.ascontiguousarray(loads), table, REACH * thickness, unit, 1 / depth, *point_scale(depth, medium), out)
@@ -27,7 +27,7 @@ def add_layer_term(out: Floats, positions: Floats, depth: float, loads: Floats, 
 
 @kept_njit(error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def _add(x_of, y_of, loads, table, reach, unit, over_depth, scale, trace, out):  # type: ignore[no-untyped-def]  # numba types it at the call
-    stretches, felt = table.shape[0], np.empty(5)
+    intervals, felt = table.shape[0], np.empty(5)
     for n in range(loads.shape[0]):
         for m in range(loads.shape[1]):
             x0, y0, q, r, f = loads[n, m, X], loads[n, m, Y], loads[n, m, Q], loads[n, m, R], loads[n, m, F]
@@ -36,7 +36,7 @@ def _add(x_of, y_of, loads, table, reach, unit, over_depth, scale, trace, out): 
             for i in range(x_of.size):
                 x, y = x_of[i] - x0, y_of[i] - y0
                 rho = math.sqrt(x * x + y * y)
-                if rho >= reach:  # nothing is felt: what the half-space has is taken off
+                if rho >= reach:  # the layer's field is 0: remove the half-space's
                     x, y = x * over_depth, y * over_depth
                     near = 1 / (1 + x * x + y * y)
                     weight = scale * (q * x + r * y + f) * near * math.sqrt(near)
@@ -44,9 +44,9 @@ def _add(x_of, y_of, loads, table, reach, unit, over_depth, scale, trace, out): 
                     out[n, i, 1] += 3 * weight * near * y
                     out[n, i, 2] -= weight * (trace - 3 * near)
                     continue
-                at = math.sqrt(rho / reach) * stretches
-                k = min(int(at), stretches - 1)
-                t = (at - k) / stretches
+                at = math.sqrt(rho / reach) * intervals
+                k = min(int(at), intervals - 1)
+                t = (at - k) / intervals
                 for c in range(5):
                     felt[c] = unit * (((table[k, 0, c] * t + table[k, 1, c]) * t + table[k, 2, c]) * t + table[k, 3, c])
                 normal, normal_shear, shear_normal, even, odd = felt[0], felt[1], felt[2], felt[3], felt[4]

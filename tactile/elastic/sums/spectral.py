@@ -1,7 +1,6 @@
-"""Traction maps and taxels on one grid: the sum over all cells as a product of Fourier transforms.
+"""Sum over traction maps on the grid of the taxels by Fourier transforms.
 
-Both planes are padded with zeros until no cell sees its neighbour's periodic image, so the result is the direct sum
-to rounding. Without padding it would be four times cheaper and wrong by about the size of the map over its period.
+Both planes are padded with zeros so that periodic images do not overlap: the result is the direct sum to rounding.
 """
 
 from functools import lru_cache
