@@ -1,4 +1,4 @@
-"""Coulomb friction on a round contact that slips from its rim inwards, with its memory of past loads."""
+"""Coulomb friction on a round contact: partial slip from its rim inwards, with the memory of past loads."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from cnnsim.support import Floats, InputError, Integers
 
 Vector = Floats
 Carry = Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]
-"""Rings (n, k) and shares (n, k, 2) of before, in terms of normal forces (n,) that press now."""
+"""Maps rings (n, k) and shares (n, k, 2) of old states to those at new normal forces (n,)."""
 
 
 @dataclass(frozen=True)
@@ -35,18 +35,18 @@ class FrictionState:
 
     @property
     def force(self) -> Vector:
-        """(Q, R) [N] that the contact carries."""
+        """The tangential force (Q, R) [N]."""
         total: Vector = self.friction * (np.diff(self.ends, prepend=0.0) @ self.shares)
         return total
 
     def terms(self) -> tuple[Vector, Vector]:
-        """Normal forces s_k (n,) and tangential forces (n, 2) [N], spread like p(s_k): their sum is the traction."""
+        """Return normal forces s_k (n,) and tangential forces (n, 2) [N], to be spread like p(s_k) and summed."""
         following = np.vstack([self.shares[1:], np.zeros((1, 2))])
         return self.ends, self.friction * self.ends[:, None] * (self.shares - following)
 
 
 def untouched(friction: float) -> FrictionState:
-    """No contact yet.
+    """Return the state without a contact.
 
     Raises:
         InputError: a negative friction coefficient.
@@ -57,14 +57,13 @@ def untouched(friction: float) -> FrictionState:
 
 
 def load_to(before: FrictionState, normal: float, tangential: Vector, carry: Carry | None = None) -> FrictionState:
-    """The contact after the normal force went to ``normal`` and the tangential one to ``tangential`` (2,) [N].
+    """Return the state after a straight change to the forces ``normal`` and ``tangential`` (2,) [N].
 
-    First the circle grows or shrinks; a new ring takes what share of the change it can. The rest is carried by
-    slip: from the rim inwards everything takes the full share in the direction that is missing, down to the circle
-    that sticks. Beyond friction * normal all of it slides and carries just that. ``carry``: what becomes of rings when
-    the normal force changes, where they do not stay as they are.
+    First the circle grows or shrinks; a new ring takes as much of the change as it can. The rest slips: from the rim
+    inwards rings take the full share in the direction of the rest, down to the circle that sticks. Beyond
+    friction * normal the whole contact slides. ``carry``: how rings change with the normal force, None if they do not.
     """
-    from tactile.simulator.contacts.friction_loops import rooms, step  # compiled, so only where called for
+    from tactile.simulator.contacts.friction_loops import rooms, step  # compiled
 
     (ends,), (shares,) = rooms(1)
     count = before.ends.size
@@ -79,11 +78,11 @@ def load_to(before: FrictionState, normal: float, tangential: Vector, carry: Car
 def follow(
     states: Sequence[FrictionState], which: Integers, loads: Floats, carry: Carry | None = None
 ) -> tuple[Vector, Vector]:
-    """What ``load_to`` and ``terms`` give for many loads (n, 3), rows (Q, R, F), each from one of the states.
+    """Return the ``terms`` after ``load_to`` for many loads (n, 3), rows (Q, R, F), each from one of the states.
 
-    Returns normal forces (n, k) and tangential forces (n, k, 2) [N], spread like p(s_k), 0 where there is no ring.
+    Returns normal forces (n, k) and tangential forces (n, k, 2) [N], with pressures p(s_k), 0 where there is no ring.
     """
-    from tactile.simulator.contacts.friction_loops import rooms, steps  # the same
+    from tactile.simulator.contacts.friction_loops import rooms, steps  # compiled
 
     known, shared = rooms(len(states))
     for row, share, state in zip(known, shared, states, strict=True):

@@ -1,4 +1,4 @@
-"""History of a contact's friction along its path: from keyframe to keyframe, and from where what slides sticks."""
+"""History of a contact's friction along its path: states at keyframes and at the ends of sliding."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,15 +10,15 @@ from tactile.core.loads import FORCE, SHEAR, F
 from tactile.simulator.contacts.friction import Carry, FrictionState, follow, load_to, untouched
 
 LOOKS = 33
-"""Places in each stretch between keyframes that are looked at, closer where it begins: contacts begin there."""
+"""Samples between two keyframes, denser after the first: contacts begin there."""
 HALVINGS = 40
-"""Of such a stretch, after which 1e-12 of it is left."""
+"""Bisections of an interval between samples, to 1e-12 of it."""
 
 
 class FrictionHistory(NamedTuple):
     """States of friction: before the first of the ``times`` (n,) [s], and from each of them on (n + 1).
 
-    ``carry``: what becomes of rings when the normal force changes, as ``friction.load_to`` has it.
+    ``carry``: how rings change with the normal force, see ``friction.load_to``.
     """
 
     times: Floats
@@ -26,12 +26,12 @@ class FrictionHistory(NamedTuple):
     carry: Carry | None
 
     def at(self, times: Floats, rows: Floats) -> list[FrictionState]:
-        """The states at other times under loads (times, 5 or more)."""
+        """Return the states at other times under loads (times, 5 or more)."""
         last = np.searchsorted(self.times, times, side="right").tolist()
         return [load_to(self.states[k], row[F], row[SHEAR], self.carry) for k, row in zip(last, rows, strict=True)]
 
     def terms(self, times: Floats, rows: Floats) -> tuple[Floats, Floats]:
-        """What ``friction.follow`` gives from the moments before: a straight way of loading needs no more."""
+        """Return the terms of ``friction.follow``, each from the last state: in between loads change linearly."""
         before = np.searchsorted(self.times, times, side="right")
         return follow(self.states, before, rows[:, FORCE], self.carry)
 
@@ -39,7 +39,7 @@ class FrictionHistory(NamedTuple):
 def history(
     keys: Floats, rows_at: Callable[[Floats], Floats], friction: float, carry: Carry | None = None
 ) -> FrictionHistory:
-    """The history of a contact with keyframes at the times ``keys`` [s] (``with_sliding_ends``)."""
+    """Return the history of a contact with keyframes at the times ``keys`` [s]."""
     times, states = with_sliding_ends(keys, rows_at, friction), [untouched(friction)]
     for row in rows_at(times):
         states.append(load_to(states[-1], row[F], row[SHEAR], carry))
@@ -47,10 +47,10 @@ def history(
 
 
 def with_sliding_ends(keys: Floats, rows_at: Callable[[Floats], Floats], friction: float) -> Floats:
-    """Times [s] of the keyframes and, between them, of the ends of sliding: where |(Q, R)| falls below friction * F.
+    """Return the times [s] of keyframes and of ends of sliding, where |(Q, R)| falls below friction * F.
 
-    A step of ``friction.load_to`` is exact for forces that change along a straight way, if all of the contact does not
-    slide on a part of it: what slides forgets what was before, and carries friction * F until it sticks.
+    A step of ``friction.load_to`` is exact for forces that change linearly unless the whole contact slides in between:
+    sliding erases the memory, and the force is friction * F until it sticks.
 
     Arguments: ``keys`` (n,) [s]; ``rows_at`` (times) -> loads (times, 5 or more), without forces where nothing touches.
     """
@@ -69,7 +69,7 @@ def with_sliding_ends(keys: Floats, rows_at: Callable[[Floats], Floats], frictio
 
 
 def _above(times: Floats, rows_at: Callable[[Floats], Floats], friction: float) -> Floats:
-    """By how much [N] the pull is larger than what friction holds."""
+    """Return the excess [N] of the tangential force over friction."""
     rows = rows_at(times.ravel())
     found = np.hypot(*rows[:, SHEAR].T) - friction * np.maximum(rows[:, F], 0)
     return np.asarray(found.reshape(times.shape))

@@ -1,4 +1,4 @@
-"""Slip of a round contact from its rim inwards, compiled: one load after another, or many from remembered states."""
+"""Partial slip of a round contact, compiled: one load after another, or many from known states."""
 
 import math
 
@@ -7,23 +7,23 @@ import numpy as np
 from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 MEMORY = 12
-"""Rings remembered; beyond that neighbours are merged whose traction changes least by it."""
+"""Most rings of a state; beyond that the neighbours are merged whose traction changes least."""
 ALIKE = 1e-9
-"""Difference of what two rings slip by at which they are one: many small steps leave so much of rounding."""
+"""Largest difference of the shares of two rings that are merged: the rounding of many small steps."""
 ROOM = MEMORY + 2
 """Rings in the arrays: one step adds at most two before they are merged."""
 
 
 @kept_helper(error_model="numpy")
 def _merged(ends, shares, count):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Rings that slipped alike are one ring, and there are no more than MEMORY of them."""
+    """Merge rings with equal shares, then the most similar ones down to MEMORY; return their number."""
     kept = 0
     for k in range(count):
         last = k == count - 1
         if last or max(abs(shares[k + 1, 0] - shares[k, 0]), abs(shares[k + 1, 1] - shares[k, 1])) > ALIKE:
             ends[kept], shares[kept, 0], shares[kept, 1] = ends[k], shares[k, 0], shares[k, 1]
             kept += 1
-    while kept > MEMORY:  # two rings become one that carries the same
+    while kept > MEMORY:  # keeps the force of both
         best, least, low = 1, np.inf, 0.0
         for k in range(1, kept):
             inner, outer = ends[k - 1] - low, ends[k] - ends[k - 1]
@@ -43,14 +43,14 @@ def _merged(ends, shares, count):  # type: ignore[no-untyped-def]  # numba types
 
 @kept_njit(error_model="numpy")
 def step(mu, ends, shares, count, normal, pull_x, pull_y):  # type: ignore[no-untyped-def]  # the same
-    """Load a contact as ``friction.load_to`` says, its rings in place: (rings, what sticks, whether all slides)."""
+    """Load a contact as ``friction.load_to``, its rings in place: (rings, force of the stuck circle, sliding)."""
     size = math.hypot(pull_x, pull_y)
     if normal <= 0 or mu == 0:
         return 0, 0.0, size > 0
     if size >= mu * normal:
         ends[0], shares[0, 0], shares[0, 1] = normal, pull_x / size, pull_y / size
         return 1, 0.0, True
-    # what is left of the rings when the contact shrinks
+    # remove rings outside a shrunken contact
     n = 0
     while n < count and ends[n] < normal:
         n += 1
@@ -97,7 +97,7 @@ def step(mu, ends, shares, count, normal, pull_x, pull_y):  # type: ignore[no-un
 
 @kept_njit(error_model="numpy")
 def steps(mu, known_ends, known_shares, known_counts, which, loads, ends, shares, counts):  # type: ignore[no-untyped-def]  # the same
-    """One step from a remembered state for each load (n, 3), rows (Q, R, F): rings (n, ROOM), their counts (n,)."""
+    """One step from a known state for each load (n, 3), rows (Q, R, F): rings (n, ROOM), their counts (n,)."""
     for n in range(len(loads)):
         k = which[n]
         for ring in range(known_counts[k]):
@@ -109,5 +109,5 @@ def steps(mu, known_ends, known_shares, known_counts, which, loads, ends, shares
 
 
 def rooms(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Arrays for the rings of so many states: (ends, shares)."""
+    """Return arrays (ends, shares) for the rings of ``count`` states."""
     return np.zeros((count, ROOM)), np.zeros((count, ROOM, 2))

@@ -1,4 +1,4 @@
-"""Bodies of any shape, given as a height map, that move over a finger and press by force or by depth."""
+"""Height map: a rigid body of any shape that moves over a finger, pressed by force or by depth."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -11,11 +11,12 @@ from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.load_pattern import LoadPattern, PatternLoads
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.mounting import STILL, Rig, sum_of
+from tactile.simulator.contacts.moving_contact import limited_shear
 from tactile.simulator.contacts.moving_load import along_path, checked_path, span
 from tactile.simulator.contacts.pressed_map import BETWEEN, PressedMap, press
 
 LAST = 0.9
-"""Share of a layer's thickness up to which deeper solutions are looked for by doubling."""
+"""Largest share of a layer's thickness at which solutions for deeper indentations double the last one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)  # arrays are not compared
@@ -24,7 +25,7 @@ class HeightMap:
 
     ``path`` (n, 6) rows (t, x, y, Q, R, push) [s, m, m, N, N, N or m] of the map's middle, ``push`` the normal force
     or, where ``given_depth``, the indentation of its lowest point. Shear is spread like the pressure; with ``friction``
-    all of it slips at once. A body that is pulled has lifted off.
+    the whole contact slips at once. A body that is pulled lifts off.
     """
 
     finger: int
@@ -43,7 +44,7 @@ class HeightMap:
         return f"HeightMap(finger={self.finger}, {rows} x {cols}, {span(self.path)})"
 
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
-        """The loads on the finger at the times [s], for taxels at ``depth`` [m], as the rig holds the body.
+        """Return the loads on the finger at the times [s], for taxels at ``depth`` [m], with the body in the rig.
 
         Raises:
             InputError: cells wider than half the depth; as ``rough_contact.RoughContact.pressed``.
@@ -59,17 +60,16 @@ class HeightMap:
         rows[gone, PLACE.stop :] = 0
         if self.given_depth:
             rows[rows[:, F] < 0, SHEAR] = 0
-        rows, told = self._held(rows, medium, rig)
+        rows, solutions = self._held(rows, medium, rig)
         rows[rows[:, F] < 0, PLACE.stop :] = 0
         if self.friction is not None:
-            pull, most = np.hypot(*rows[:, SHEAR].T), self.friction * rows[:, F]
-            rows[:, SHEAR] *= np.where(pull > most, most / np.where(pull > 0, pull, 1), 1)[:, None]
+            rows[:, SHEAR] = limited_shear(rows, self.friction)
         owner = np.zeros(1, np.int64)
-        spread = tuple(self._spread(rows, here, medium, depth, most, owner) for most, here in told)
+        spread = tuple(self._spread(rows, here, medium, depth, most, owner) for most, here in solutions)
         return Loads(rows[:, None], np.empty((len(rows), 0, COLUMNS)), owner[:0], patterns=spread)
 
     def on_dome(self, curvature: float) -> "HeightMap":
-        """The map that touches a plane as this one touches a cover so curved [1/m], whose crown is under its middle."""
+        """Return the map that touches a plane as this one touches a cover curved about its middle [1/m]."""
         if curvature == 0:
             return self
         if ("dome", curvature) not in self.memory:
@@ -80,16 +80,16 @@ class HeightMap:
         return curved
 
     def _held(self, rows: Floats, medium: Medium, rig: Rig) -> tuple[Floats, list[tuple[float | None, Flags]]]:
-        """Rows (frames, 5) as the rig holds the body, with forces; and which frames which solution tells (`pressed`).
+        """Return rows (frames, 5) with the forces in the rig; and solutions (`pressed`) with the frames that use them.
 
-        What is raised beyond what the path asks for is told by one of twice, four times, ... that indentation, frame by
-        frame: the same however the frames are cut.
+        Frames raised beyond the path's indentation use a solution for twice, four times, ... of it, each frame on its
+        own, so that results do not depend on how frames are cut into pieces.
         """
         rows, rises = rig.displaced(rows)
         if not rises:
             return self._forces(rows, 0.0, self.pressed(medium)), [(None, np.ones(len(rows), bool))]
         rise, most, held = sum_of(rises), None, np.empty_like(rows)
-        told: list[tuple[float | None, Flags]] = []
+        solutions: list[tuple[float | None, Flags]] = []
         left = np.ones(len(rows), bool)
         while True:
             solved = self.pressed(medium, most)
@@ -97,19 +97,19 @@ class HeightMap:
             deeper = self._depths(rows[:, F], solved) + rise
             here = left & ~((rows[:, F] > 0) & (deeper > end))
             held[here] = self._forces(rows[here], rise[here], solved)
-            told.append((most, here))
+            solutions.append((most, here))
             left &= ~here
             if not left.any():
-                return held, told
+                return held, solutions
             wanted = float(deeper[left].max())
             most = max(2 * end, wanted) if wanted > LAST * medium.thickness else min(2 * end, LAST * medium.thickness)
 
     def _depths(self, pushes: Floats, solved: PressedMap) -> Floats:
-        """Indentations [m] of what the path gives."""
+        """Return the indentations [m] at the path's pushes."""
         return pushes if self.given_depth else np.interp(pushes, solved.force, solved.deep)
 
     def _forces(self, rows: Floats, rise: Floats | float, solved: PressedMap) -> Floats:
-        """Rows with the forces [N] under what the cover has risen by; pulls are left as they are."""
+        """Return rows with the forces [N] after a rise of the cover; pulls are unchanged."""
         deep, rows = self._depths(rows[:, F], solved), rows.copy()
         before = np.interp(deep, solved.deep, solved.force) if self.given_depth else rows[:, F].copy()
         pressing = before > 0
@@ -121,7 +121,7 @@ class HeightMap:
     def _spread(
         self, rows: Floats, here: Flags, medium: Medium, depth: float, most: float | None, owner: Integers
     ) -> PatternLoads:
-        """The loads of these frames, spread as one solution says; none in the others."""
+        """Return the loads of these frames, spread by one solution; none in the others."""
         levels = _levels(rows[:, F], self.pressed(medium, most).force[::BETWEEN])
         if not here.all():
             rows = rows.copy()
@@ -129,9 +129,7 @@ class HeightMap:
         return PatternLoads(self._pattern(medium, depth, most), rows, *levels, owner)
 
     def pressed(self, medium: Medium, most: float | None = None) -> PressedMap:
-        """How it presses on the medium: pressures up to the deepest that its path asks for, solved once.
-
-        Or up to another indentation ``most`` [m], where the cover rises under it.
+        """Return the pressures on the medium up to the path's deepest indentation, or up to ``most`` [m]; cached.
 
         Raises:
             InputError: as ``rough_contact.RoughContact.pressed``.
@@ -146,12 +144,12 @@ class HeightMap:
         return known
 
     def _pattern(self, medium: Medium, depth: float, most: float | None) -> LoadPattern:
-        """The pressures at all levels but the first, of no force, each as shares of their sum."""
+        """Return the pressures at all levels but the first, which has no force, each as shares of its sum."""
         key = replace(medium, quantity="strain"), most, depth
         if key not in self.memory:
             solved = self.pressed(medium, most)
             shares = solved.forces[1:].copy()
-            for level in range(len(shares) - 1, -1, -1):  # where nothing presses yet, as it does next
+            for level in range(len(shares) - 1, -1, -1):  # without force: those of the next level
                 total = shares[level].sum()
                 after = shares[level + 1] if level + 1 < len(shares) else np.full(shares.shape[1], 1 / shares.shape[1])
                 shares[level] = shares[level] / total if total > 0 else after
@@ -160,7 +158,7 @@ class HeightMap:
         return known
 
     def described(self, medium: Medium, depth: float) -> str:
-        """On what cells its deepest contact is given and solved, and how well its force is known.
+        """Describe the cells of the deepest contact and the uncertainty of its force.
 
         Raises:
             InputError: as ``pressed``.
@@ -168,11 +166,11 @@ class HeightMap:
         solved = self.pressed(medium)
         return (
             f"contact {solved.width * 1e3:.3g} mm wide on cells of {self.pitch * 1e3:.3g} mm, its force known to about "
-            f"{max(solved.doubt, 1e-3):.1%}; solved and felt on cells of {solved.pitch * 1e3:.2g} mm"
+            f"{max(solved.doubt, 1e-3):.1%}; solved on cells of {solved.pitch * 1e3:.2g} mm"
         )
 
     def deepest(self, medium: Medium) -> float:
-        """The largest indentation [m] that its path asks for.
+        """Return the path's largest indentation [m].
 
         Raises:
             InputError: as ``pressed``.
@@ -185,9 +183,9 @@ class HeightMap:
 
 
 def _levels(push: Floats, force: Floats) -> tuple[Integers, Floats]:
-    """Under forces (frames,) [N] the lower of two levels but the first, and the shares of both (frames, 2).
+    """Return the lower of the two levels around forces (frames,) [N], without the first, and both shares (frames, 2).
 
-    Pressures are straight in the force between those of levels' forces (levels,), of which the first is 0.
+    Pressures are linear in the force between levels of forces (levels,), the first of them 0.
     """
     level = np.interp(push, force, np.arange(len(force)))
     low = np.clip(level.astype(np.int64), 0, len(force) - 2)

@@ -1,4 +1,4 @@
-"""The surface that a height map's cells stand for: smooth in between, with walls where heights jump."""
+"""Surface of a height map between its cells: smooth, with walls where heights jump."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,13 +10,13 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.rough_contact import RoughContact
 
 WALL = 4.0
-"""A rise between two cells is a wall where it is so many times those beside it: on a parabola, a cone, a ramp or a
+"""Ratio of a rise between two cells to both neighbouring rises that makes it a wall: on a parabola, a cone, a ramp or a
 rounded edge one neighbour at least is of its size."""
 
 PARTS = 4
-"""Parts of a cell, along each axis, in which the surface is looked at for where it can touch."""
+"""Samples of the surface in a cell, along each axis, to find where it can touch."""
 AROUND = 4
-"""Cells to each side on which the surface in a cell depends, at most."""
+"""Cells to each side on which the surface in a cell depends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,27 +28,27 @@ class HeightSurface:
 
     @cached_property
     def _least(self) -> Floats:
-        """The lowest height about every cell's middle."""
+        """The lowest height in every cell."""
         rows, cols = self.heights.shape
         return np.asarray(refined(self.heights, PARTS).reshape(rows, PARTS, cols, PARTS).min(axis=(1, 3)))
 
     @cached_property
     def lowest(self) -> float:
-        """The lowest height, which may lie between the cells' middles, to a thousandth of what a parabola rises."""
+        """The lowest height, also between the cells' middles, to a thousandth of a parabola's rise per cell."""
         row, col = (int(n) for n in np.unravel_index(self._least.argmin(), self.heights.shape))
         box = max(row - 1, 0), min(row + 2, self.heights.shape[0]), max(col - 1, 0), min(col + 2, self.heights.shape[1])
         return min(float(self._least.min()), float(SurfaceGrid(self, 8 * PARTS, *box).heights.min()))
 
     def grid(self, deep: float, parts: int, more: int = 1) -> "SurfaceGrid":
-        """Where it can touch at an indentation [m] and ``more`` cells around, in so many parts a cell along each axis.
+        """Return the area that can touch at an indentation [m] with ``more`` cells around, ``parts`` per cell and axis.
 
-        A layer bulges beside a contact, into what is there.
+        A layer bulges around a contact and may touch there.
         """
         ends = touching(self._least - self.lowest < deep, more)
         return SurfaceGrid(self, parts, *(end for one in ends for end in (one.start, one.stop)))
 
     def pressed(self, deep: float, parts: int, medium: Medium) -> tuple["SurfaceGrid", RoughContact, Floats]:
-        """Pressures [Pa] at an indentation [m] on cells cut into so many parts, on a grid that holds the contact."""
+        """Return pressures [Pa] at an indentation [m] on ``parts`` of cells, on a grid that contains the contact."""
         more = 1
         while True:
             grid = self.grid(deep, parts, more)
@@ -59,13 +59,13 @@ class HeightSurface:
             more *= 2
 
     def force(self, deep: float, parts: int, medium: Medium) -> float:
-        """The force [N] at an indentation [m], on cells cut into so many parts."""
+        """Return the force [N] at an indentation [m], on ``parts`` of cells."""
         grid, _, pressure = self.pressed(deep, parts, medium)
         return float(pressure.sum()) * grid.pitch**2
 
 
 def touching(touches: Flags, more: int) -> tuple[slice, slice]:
-    """Rows and columns of cells that can touch, and so many more to each side, all where there are none."""
+    """Return the rows and columns of cells that can touch with ``more`` to each side, all where there are none."""
     rows, cols = (np.flatnonzero(touches.any(axis=axis)) for axis in (1, 0))
     if not rows.size:
         return slice(0, touches.shape[0]), slice(0, touches.shape[1])
@@ -89,17 +89,17 @@ class SurfaceGrid:
 
     @property
     def pitch(self) -> float:
-        """Of its cells [m]."""
+        """Pitch of its cells [m]."""
         return self.surface.pitch / self.parts
 
     @property
     def size(self) -> int:
-        """How many cells it has."""
+        """The number of its cells."""
         return (self.bottom - self.top) * (self.right - self.left) * self.parts**2
 
     @property
     def heights(self) -> Floats:
-        """Of the middles of its cells [m]."""
+        """Heights of the middles of its cells [m]."""
         top, left = max(self.top - AROUND, 0), max(self.left - AROUND, 0)
         fine = refined(self.surface.heights[top : self.bottom + AROUND, left : self.right + AROUND], self.parts)
         rows, cols = (
@@ -109,18 +109,18 @@ class SurfaceGrid:
         return fine[rows, cols]
 
     def contact(self, medium: Medium) -> RoughContact:
-        """What there is of the surface, to be pressed."""
+        """Return the contact problem of this part of the surface."""
         return RoughContact(self.heights, self.pitch, medium, self.surface.lowest)
 
     def cuts(self, pressed: Flags) -> bool:
-        """Whether a contact reaches an edge of it beyond which the map goes on."""
+        """Return whether a contact reaches an edge beyond which the map continues."""
         rows, cols = self.surface.heights.shape
         ends = self.top > 0, self.bottom < rows, self.left > 0, self.right < cols
         sides = pressed[0], pressed[-1], pressed[:, 0], pressed[:, -1]
         return any(open_ and side.any() for open_, side in zip(ends, sides, strict=True))
 
     def places(self, pressed: Flags) -> Floats:
-        """Middles (n, 2) [m] of these of its cells, from the map's middle."""
+        """Return the middles (n, 2) [m] of the pressed cells, from the map's middle."""
         y, x = np.nonzero(pressed)
         rows, cols = self.surface.heights.shape
         first = np.array([self.left - cols / 2, self.top - rows / 2]) * self.surface.pitch
@@ -128,11 +128,11 @@ class SurfaceGrid:
 
 
 def refined(heights: Floats, parts: int) -> Floats:
-    """Heights (rows * parts, cols * parts) in the middles of the parts of cells, from those of the cells (rows, cols).
+    """Return heights (rows * parts, cols * parts) in the middles of parts of cells, from those of cells (rows, cols).
 
-    Along the columns, then along the rows: cubics through the cells' middles, of the fourth order where the surface is
-    smooth, exact on parabolas, that do not swing beside kinks. Half-way between two cells with a wall between them, and
-    at the border, the surface ends as the parabola of its own side, level where that turns right there.
+    Along the columns, then the rows: cubics through the cells' middles, of the fourth order where it is smooth, exact
+    on parabolas, without overshoot at kinks. Half-way to a wall, and at the border, the surface ends as the
+    parabola of its own side, level where that has its extremum there.
 
     Source: Huynh, Accurate Monotone Cubic Interpolation (1993), his M3-A, for the slopes.
     """
@@ -143,7 +143,7 @@ def refined(heights: Floats, parts: int) -> Floats:
 
 
 def _along(heights: Floats, parts: int) -> Floats:
-    """The same along the last axis alone."""
+    """Return heights refined along the last axis."""
     count = heights.shape[-1]
     if count == 1:
         return np.repeat(heights, parts, axis=-1)
@@ -154,17 +154,17 @@ def _along(heights: Floats, parts: int) -> Floats:
     before, after = np.concatenate([none, rise], axis=-1), np.concatenate([rise, none], axis=-1)
     inner = ~ends_before & ~ends_after
     bend = np.where(inner, after - before, 0.0)
-    # the second difference between two cells: the smaller of theirs, or that of the one which has one
+    # the second difference between two cells: the smaller of both, or the only one
     own, others = bend[..., :-1], bend[..., 1:]
     between = np.where(inner[..., 1:], np.where(inner[..., :-1], _smaller(own, others), others), own)
     bend_before = np.concatenate([none, between], axis=-1)
     bend_after = np.concatenate([between, none], axis=-1)
     slope_before, slope_after = before + bend_before / 2, after - bend_after / 2
-    # a surface that turns back and forth from cell to cell does not say how it goes on
+    # a surface that alternates from cell to cell is not extrapolated
     inwards = np.where(ends_before, after * np.roll(after, -1, axis=-1), before * np.roll(before, 1, axis=-1))
     steady = (inwards > 0) & ~(ends_before & ends_after)
     slope = np.where(steady, np.where(ends_before, slope_after, slope_before), 0.0)
-    slope = np.where(inner, _held(before, after, slope_before, slope_after, inner), slope)
+    slope = np.where(inner, _limited(before, after, slope_before, slope_after, inner), slope)
     going_on = np.where(steady, np.where(ends_before, bend_after, bend_before), 0.0)
     out = np.empty((*heights.shape, parts))
     for part, step in enumerate(((np.arange(parts) + 0.5) / parts - 0.5).tolist()):
@@ -182,8 +182,8 @@ def _along(heights: Floats, parts: int) -> Floats:
     return out.reshape(*heights.shape[:-1], count * parts)
 
 
-def _held(before: Floats, after: Floats, slope_before: Floats, slope_after: Floats, inner: Flags) -> Floats:
-    """Slopes of the fourth order, and of the second beside an end, held so that nothing swings beside a kink."""
+def _limited(before: Floats, after: Floats, slope_before: Floats, slope_after: Floats, inner: Flags) -> Floats:
+    """Return slopes of the fourth order, of the second next to an end, limited so that nothing overshoots at a kink."""
     wide = inner.copy()
     wide[..., 1:] &= inner[..., :-1]
     wide[..., :-1] &= inner[..., 1:]
@@ -194,7 +194,7 @@ def _held(before: Floats, after: Floats, slope_before: Floats, slope_after: Floa
 
 
 def _walls(rise: Floats) -> Flags:
-    """Which rises (..., n) between cells are walls; the border's neighbour is what its two next rises would have on."""
+    """Return which rises (..., n) between cells are walls; beyond the border rises are extrapolated."""
     size = np.abs(rise)
     if rise.shape[-1] < 3:
         return np.zeros(rise.shape, bool)
@@ -205,5 +205,5 @@ def _walls(rise: Floats) -> Flags:
 
 
 def _smaller(one: Floats, other: Floats) -> Floats:
-    """The one nearer to zero, 0 where their signs differ."""
+    """Return the value nearer to zero, 0 where the signs differ."""
     return np.where(one * other > 0, np.where(np.abs(one) < np.abs(other), one, other), 0.0)

@@ -1,4 +1,4 @@
-"""Height maps of bodies: read from an array, or cast from the triangles of an STL file."""
+"""Height maps of bodies from arrays, or projected from the triangles of an STL file."""
 
 from pathlib import Path
 
@@ -9,13 +9,15 @@ from cnnsim.support.array_files import read_array
 from cnnsim.support.limits import check_file, one_line
 
 MOST = 1 << 18
-"""Cells of a height map, at most."""
+"""Most cells of a height map."""
 LARGEST = 2**26
-"""Bytes of an STL file: of 1.3 million triangles."""
+"""Most bytes of an STL file: 1.3 million triangles."""
 
 
 def read_heights(path: Path, pitch: float, unit: float = 1e-3) -> Floats:
-    """Heights (rows, cols) [m] of a body's underside, rows along y, from an .npy array or an .stl file in ``unit`` [m].
+    """Return the heights (rows, cols) [m] of a body's underside, rows along y, from an .npy or .stl file.
+
+    Arguments: ``unit`` [m] of the file; ``pitch`` [m] of the cells.
 
     Raises:
         InputError: no such file, not what its suffix says, heights that are not finite, over 262 144 cells.
@@ -31,7 +33,7 @@ def read_heights(path: Path, pitch: float, unit: float = 1e-3) -> Floats:
 
 
 def read_stl(path: Path) -> Floats:
-    """Triangles (n, 3 corners, 3) of an STL file, binary or text, in its own unit.
+    """Return the triangles (n, 3 corners, 3) of an STL file, binary or text, in its own unit.
 
     Raises:
         InputError: no such file, not an STL file.
@@ -58,7 +60,7 @@ def read_stl(path: Path) -> Floats:
 
 
 def cast_heights(triangles: Floats, pitch: float) -> Floats:
-    """The lowest point over each cell's middle, cells of a ``pitch`` [m] over a body's outline; beyond it out of reach.
+    """Return the lowest point over each cell's middle, cells of a ``pitch`` [m]; outside the body heights out of reach.
 
     Arguments: ``triangles`` (n, 3, 3) [m], z up from the cover, the body's lowest point touching it first.
 

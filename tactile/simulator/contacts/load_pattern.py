@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.support import Floats, Integers
 from tactile.core.loads import COLUMNS, FORCE, PLACE
-from tactile.simulator.contacts.fewer_points import fewer_points
+from tactile.simulator.contacts.equivalent_points import equivalent_points
 
 ALL_CELLS = 1e-5
 """Finest accuracy for which fewer loads than cells are looked for."""
@@ -32,7 +32,7 @@ class LoadPattern:
         if accuracy < ALL_CELLS:
             return self.places, self.shares
         if accuracy not in self.memory:
-            self.memory[accuracy] = fewer_points(self.places, self.shares, self.depth, accuracy)
+            self.memory[accuracy] = equivalent_points(self.places, self.shares, self.depth, accuracy)
         return self.memory[accuracy]
 
 

@@ -32,7 +32,7 @@ class Disc:
 class Twist:
     """Twisted circles: ``twists`` (frames, k, 3) rows (x, y, M) [m, m, N m], ``radii`` (frames, k) [m].
 
-    ``profile``: the pressure of which the traction is the slope; ``unit`` [m] as of a `Disc`.
+    ``profile``: the pressure whose slope is the traction; ``unit`` [m] as of a `Disc`.
     """
 
     twists: Floats
@@ -46,9 +46,8 @@ class Twist:
 class Loads:
     """All loads on one finger over some frames.
 
-    ``totals`` (frames, contacts, 5): one row (x, y, Q, R, F) a contact, its resultant; ``points`` (frames, n, 5):
-    what acts at points, with the contact it belongs to in ``owner`` (n,); ``discs``, ``twists``: what is spread over
-    circles, ``patterns``: over cells of bodies of any shape.
+    ``totals`` (frames, contacts, 5): the resultant (x, y, Q, R, F) of each contact; ``points`` (frames, n, 5), with
+    their contacts in ``owner`` (n,); ``discs`` and ``twists`` over circles; ``patterns`` over cells.
     """
 
     totals: Floats
@@ -60,7 +59,7 @@ class Loads:
 
     @property
     def count(self) -> int:
-        """How many there are in a frame; a pattern is one."""
+        """The number of loads in a frame; a pattern counts once."""
         return self.points.shape[1] + sum(disc.radii.shape[1] for disc in self.discs) + len(self.patterns)
 
     @property
@@ -71,7 +70,7 @@ class Loads:
         return np.concatenate([self.points, *(one.points() for one in self.patterns)], axis=1)
 
     def of_frames(self, part: slice) -> "Loads":
-        """Those of some of the frames."""
+        """Return the loads of some of the frames."""
         return Loads(
             self.totals[part],
             self.points[part],
@@ -83,12 +82,12 @@ class Loads:
 
 
 def point_loads(rows: Floats) -> Loads:
-    """One contact that acts at a point: ``rows`` (frames, 5)."""
+    """Return the loads of one contact at a point: ``rows`` (frames, 5)."""
     return Loads(rows[:, None], rows[:, None], np.zeros(1, np.int64))
 
 
 def together(parts: Iterable[Loads], frames: int) -> Loads:
-    """Several contacts on one finger."""
+    """Return the loads of several contacts on one finger."""
     given = list(parts)
     if len(given) == 1:
         return given[0]

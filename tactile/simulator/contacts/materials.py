@@ -1,4 +1,4 @@
-"""Textured materials that slide over the cover: their profile along the way, and their friction."""
+"""Materials of sliding textures: profile along the path, and friction."""
 
 from dataclasses import dataclass
 
@@ -36,7 +36,7 @@ class Material:
             raise InputError(f"material {self.name!r}: 0 <= kinetic <= static friction and 0 <= sharpness <= 1 wanted")
 
     def profile(self, way: Floats, random: np.random.Generator) -> Floats:
-        """Height along the way [m], as a share of the mean normal force; mean 0, deviation as declared.
+        """Return the profile along the path [m] relative to the mean normal force, of mean 0 and the stated deviation.
 
         The regular part is a wave that sharpness turns into teeth; the irregular one is a sum of 48 waves, their
         lengths spread evenly in the logarithm.

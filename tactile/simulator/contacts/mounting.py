@@ -14,8 +14,6 @@ from tactile.simulator.contacts.loads import Disc, Loads, point_loads
 
 Move = Callable[[Floats], tuple[Floats, Floats]]
 """From places (frames, 2) [m] to the displacement (frames, 2) [m] and the rise of the cover (frames,) [m]."""
-Rises = Sequence[tuple[float, float]]
-"""Successive rises of the surface [m], each with the tip radius [m] of contacts at a point."""
 
 
 @dataclass(frozen=True)

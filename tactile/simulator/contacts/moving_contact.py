@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +11,8 @@ from cnnsim.support import Floats, InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number
-from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, R, X, Y
+from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, X, Y
+from tactile.elastic.adhesion import Adhesion
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
 from tactile.simulator.contacts.friction import FrictionState
@@ -65,53 +65,62 @@ class MovingContact:
         return f"MovingContact(finger={self.finger}, {self.indenter.shape}, {span(self.path)})"
 
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
-        """The loads on the finger at the times [s], for taxels at ``depth`` [m], as the rig holds the indenter.
+        """Return the loads on the finger at the times [s], for taxels at ``depth`` [m], with the indenter in the rig.
 
-        A body that is pulled has lifted off: it carries nothing, unless it sticks. A point is a force, and may pull.
+        A dry body that is pulled lifts off and carries nothing; a point is a force, and may pull.
 
         Raises:
-            InputError: an indentation given for a shape that knows no law for it; a contact too wide for the depth, or
-                that goes through the cover.
+            InputError: an indentation given for a shape without a law for it; a contact too wide for the depth, or
+                through the cover.
         """
         if rig.curvature:
-            if rig.curvature not in self._on_domes:  # with its laws and history
+            if rig.curvature not in self._on_domes:
                 self._on_domes[rig.curvature] = replace(self, indenter=rig.touching(self.indenter))
             return self._on_domes[rig.curvature].loads(times, depth, medium, replace(rig, curvature=0.0))
         if rig.work > 0 and self.indenter.shape in LAWS:
-            return self._sticking(times, medium, rig)
+            return self._adhering(times, medium, rig)
         rows = self._at(times, medium)
         if self.indenter.shape == "point":
             return at_a_point(rows[:, :COLUMNS], medium, rig)
         rows = rig.moved(rows, self.indenter, medium)
         rows[rows[:, F] < 0, PLACE.stop :] = 0
         if isinstance(self.indenter.body, LineShape):
-            return self._line(rows, self.indenter.body.points, depth, medium)
+            return self._line(rows, self.indenter.body, depth, medium)
         return self._slipping(times, rows, medium, self._dry_history(medium))
 
-    def _sticking(self, times: Floats, medium: Medium, rig: Rig) -> Loads:
+    def friction_at(self, times: Floats, medium: Medium) -> list[FrictionState]:
+        """Return the state of friction at the times [s]: the part that sticks, and the force.
+
+        Raises:
+            InputError: a contact without friction.
+        """
+        known = self._dry_history(medium)
+        if known is None:
+            raise InputError(f"a {self.indenter.shape} without friction; a coefficient wanted")
+        return known.at(times, self._at(times, medium))
+
+    def _adhering(self, times: Floats, medium: Medium, rig: Rig) -> Loads:
         from tactile.simulator.contacts.adhesion_path import adhesion_table, attached, moved, with_pull
 
-        body = self.indenter.round
-        pushes = self.path[:, [0, 1 + F]]
-        if (medium, rig.work) not in self._laws:  # each takes as long as some hundred frames
+        body, pushes = self.indenter.round, self.path[:, [0, 1 + F]]
+        if (medium, rig.work) not in self._laws:
             self._laws[medium, rig.work] = adhesion_table(body, medium, rig.work, pushes, self.given_depth)
         law = self._laws[medium, rig.work]
         snap = float((law.indentation if self.given_depth else law.force)[0])
 
-        def held(at: Floats, rows: Floats) -> tuple[Floats, Floats]:
+        def pull_and_rows(at: Floats) -> tuple[Floats, Floats]:
+            rows, gone = along_path(self.path, at)
+            rows[gone, PLACE.stop :] = 0
             force, pressed = law.at(rows[:, F], self.given_depth)
             holds = attached(pushes, snap, at)
             rows[~holds, PLACE.stop :] = 0
             rows[:, F] = np.where(holds, pressed, 0)
             return np.where(holds, force - pressed, 0), rows
 
-        rows, gone = along_path(self.path, times)
-        rows[gone, PLACE.stop :] = 0
-        pull, rows = held(times, rows)
+        pull, rows = pull_and_rows(times)
         if rig.moves:
-            table_to = partial(adhesion_table, body, medium, rig.work, pushes, self.given_depth)
-            pull = moved(rows, pull, table_to, rig)
-        slips = self._history_of(medium, rig.work, lambda t: held(t, along_path(self.path, t)[0])[1])
+            pull = moved(rows, pull, partial(adhesion_table, body, medium, rig.work, pushes, self.given_depth), rig)
+        slips = self._history_of(medium, rig.work, lambda t: pull_and_rows(t)[1])
         loads = self._slipping(times, rows, medium, slips)
         return with_pull(loads, rows, rows[:, F] + pull, body, medium)
 
@@ -122,25 +131,10 @@ class MovingContact:
         rows[:, SHEAR] = terms.sum(axis=1)
         return self._round(rows, (ends, terms), medium)
 
-    def friction_at(self, times: Floats, medium: Medium) -> list[FrictionState]:
-        """The state of friction at the times [s]: what sticks, what the contact carries.
-
-        Raises:
-            InputError: a contact without friction.
-        """
-        known = self._dry_history(medium)
-        if known is None:
-            raise InputError(f"a {self.indenter.shape} without friction; a coefficient wanted")
-        return known.at(times, self._at(times, medium))
-
     def _at(self, times: Floats, medium: Medium) -> Floats:
-        """Rows (x, y, Q, R, F, M) at the times, without force where the contact is absent."""
+        """Return rows (x, y, Q, R, F, M) at the times, without force where the contact is absent."""
         rows, gone = along_path(self.path, times)
         rows[gone, PLACE.stop :] = 0
-        return self._forces(rows, medium)
-
-    def _forces(self, rows: Floats, medium: Medium) -> Floats:
-        rows = rows.copy()
         if self.given_depth:
             rows[rows[:, F] < 0, PLACE.stop : F] = 0  # off the cover
             rows[:, F] = self.indenter.force_at(rows[:, F], medium)
@@ -150,36 +144,35 @@ class MovingContact:
         return self._history_of(medium, 0.0, partial(self._at, medium=medium))
 
     def _history_of(self, medium: Medium, work: float, rows_at: Callable[[Floats], Floats]) -> FrictionHistory | None:
-        """On a medium with that work of adhesion, with its loads at any times; None without friction."""
+        """Return the history on a medium with a work of adhesion, None without friction."""
         if self.friction is None:
             return None
-        if (medium, work) not in self._known:
+        if (medium, work) not in self._histories:
             carry = self.indenter.round.carrying(medium)
-            self._known[medium, work] = history(self.path[:, 0], rows_at, self.friction, carry)
-        return self._known[medium, work]
+            self._histories[medium, work] = history(self.path[:, 0], rows_at, self.friction, carry)
+        return self._histories[medium, work]
 
     @cached_property
     def _on_domes(self) -> dict[float, "MovingContact"]:
         return {}
 
     @cached_property
-    def _known(self) -> dict[tuple[Medium, float], FrictionHistory]:
+    def _histories(self) -> dict[tuple[Medium, float], FrictionHistory]:
         return {}
 
     @cached_property
-    def _laws(self) -> dict[tuple[Medium, float], Any]:
+    def _laws(self) -> dict[tuple[Medium, float], Adhesion]:
         return {}
 
-    def _line(self, rows: Floats, points_of: Callable[..., Floats], depth: float, medium: Medium) -> Loads:
-        if self.friction is not None:  # all of an edge slips at once
-            tangential = np.hypot(rows[:, Q], rows[:, R])
-            most = self.friction * np.maximum(rows[:, F], 0)
-            rows[:, SHEAR] *= np.where(tangential > most, most / np.where(tangential > 0, tangential, 1), 1)[:, None]
+    def _line(self, rows: Floats, body: LineShape, depth: float, medium: Medium) -> Loads:
+        if self.friction is not None:  # an edge slips as a whole
+            rows[:, SHEAR] = limited_shear(rows, self.friction)
         total = rows[:, :COLUMNS]
-        points = points_of(total, depth, medium)
+        points = body.points(total, depth, medium)
         return Loads(total[:, None], points, np.zeros(points.shape[1], np.int64))
 
     def _round(self, rows: Floats, slipped: tuple[Floats, Floats] | None, medium: Medium) -> Loads:
+        """Return the loads over circles: the pressure, and the pressures of friction's rings (forces, terms)."""
         body = self.indenter.round
         spread = [rows[:, :COLUMNS]]
         normal_at = [rows[:, F]]
@@ -189,10 +182,10 @@ class MovingContact:
             forces, terms = slipped
             shear = np.zeros((*forces.shape, COLUMNS))
             shear[..., PLACE], shear[..., SHEAR] = rows[:, None, PLACE], terms
-            whole = forces >= rows[:, F, None]  # the outermost ring, which slips under all of the pressure
-            taken = None if whole.all() else body.stuck_circles(rows[:, F, None], forces, medium)
-            if taken is not None:
-                circles, pressed, shape = taken
+            whole = forces >= rows[:, F, None]  # the outermost ring slips under the whole pressure
+            stuck = None if whole.all() else body.stuck_circles(rows[:, F, None], forces, medium)
+            if stuck is not None:
+                circles, pressed, shape = stuck
                 spread[0][:, SHEAR] = np.where(whole[..., None], terms, 0).sum(axis=1)
                 shear[whole, Q:] = 0
                 rest = shear * np.where(np.arange(COLUMNS) < Q, 1, 1 - pressed[..., None])
@@ -209,28 +202,31 @@ class MovingContact:
         twists: tuple[Twist, ...] = ()
         if rows[:, TORQUE].any():
             torque = rows[:, TORQUE]
-            if self.friction is not None:  # sliding torque: friction under the pressure as it is
+            if self.friction is not None:  # the sliding torque: friction under the pressure
                 lever = profile.mean_radius(radii[:, 0] / unit) * radii[:, 0]
                 limit = self.friction * np.maximum(rows[:, F], 0) * lever
                 torque = np.clip(torque, -limit, limit)
             turned = np.stack([rows[:, X], rows[:, Y], torque], axis=-1)
-            twists = (Twist(turned[:, None], radii[:, :1], np.zeros(1, np.int64), *_twisted(radii[:, :1], medium)),)
-        totals = rows[:, None, :COLUMNS]
+            twists = (Twist(turned[:, None], radii[:, :1], owner[:1], *_twist_profile(radii[:, :1], medium)),)
+        points = np.empty((len(rows), 0, COLUMNS))
         return Loads(
-            totals,
-            np.empty((len(rows), 0, COLUMNS)),
-            owner[:0],
-            (Disc(discs, radii, profile, unit, owner), *inner),
-            twists,
+            rows[:, None, :COLUMNS], points, owner[:0], (Disc(discs, radii, profile, unit, owner), *inner), twists
         )
 
 
-def _twisted(radii: Floats, medium: Medium) -> tuple[Profile, float]:
-    """The pressure of which a twist's traction is the slope, and the length [m] by which radii become its lam."""
+def limited_shear(rows: Floats, friction: float) -> Floats:
+    """Return the shear (frames, 2) [N] of loads (frames, 5 or more), at most the friction times the normal force."""
+    pull, most = np.hypot(*rows[:, SHEAR].T), friction * np.maximum(rows[:, F], 0)
+    factor = np.where(pull > most, most / np.where(pull > 0, pull, 1), 1)
+    return np.asarray(rows[:, SHEAR] * factor[:, None])
+
+
+def _twist_profile(radii: Floats, medium: Medium) -> tuple[Profile, float]:
+    """Return the pressure whose slope is a twist's traction, and the length [m] by which radii become its lam."""
     if np.isinf(medium.thickness):
         return HERTZ, np.inf
-    from tactile.elastic.layer_contact import WIDEST  # only where a layer asks for it
-    from tactile.elastic.layer_twist import layer_twist  # the same
+    from tactile.elastic.layer_contact import WIDEST  # imports SciPy's splines
+    from tactile.elastic.layer_twist import layer_twist
 
     if (radii > WIDEST * medium.thickness).any():
         raise InputError(

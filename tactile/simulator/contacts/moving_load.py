@@ -1,4 +1,4 @@
-"""Point loads on a finger over time: a force that travels along a path of keyframes."""
+"""Point loads that move along a path of keyframes; functions for paths."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Flags, Floats, InputError
-from cnnsim.support.compiled_loops import kept_njit
 from cnnsim.support.keywords import spelled
 from tactile.core.loads import COLUMNS, FORCE
 from tactile.elastic.medium import Medium
@@ -15,41 +14,19 @@ from tactile.simulator.contacts.mounting import STILL, Rig, at_a_point
 
 
 def along_path(path: Floats, times: Floats) -> tuple[Floats, Flags]:
-    """The path's columns (n, columns - 1) at the times [s], and where it is not there.
+    """Return a path's columns (n, columns - 1) at the times [s], and whether it is absent then.
 
-    Between its rows a path changes linearly; before the first and after the last it is not there. With one row it
-    stands still from that time on.
+    Between its rows a path is linear; before the first and after the last it is absent. A path of one row stays there
+    from its time on.
     """
-    rows, gone = np.empty((len(times), path.shape[1] - 1)), np.empty(len(times), np.bool_)
-    follow_path(np.ascontiguousarray(path), np.ascontiguousarray(times, np.float64), rows, gone)
-    return rows, gone
-
-
-@kept_njit()
-def follow_path(path, times, rows, gone):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Put the columns at the times into ``rows``, each as `numpy.interp` has it, and where the path is not there."""
-    last = path.shape[0] - 1
-    for n in range(times.size):
-        t, k = times[n], 0
-        gone[n] = t < path[0, 0] or (last > 0 and t > path[last, 0])
-        high = last
-        while k < high:  # the last row that is not later
-            middle = (k + high + 1) // 2
-            if path[middle, 0] <= t:
-                k = middle
-            else:
-                high = middle - 1
-        if k == last or t <= path[k, 0]:
-            for c in range(rows.shape[1]):  # by hand: an assignment of arrays takes seconds to compile
-                rows[n, c] = path[k, c + 1]
-            continue
-        for c in range(rows.shape[1]):
-            slope = (path[k + 1, c + 1] - path[k, c + 1]) / (path[k + 1, 0] - path[k, 0])
-            rows[n, c] = slope * (t - path[k, 0]) + path[k, c + 1]
+    rows = np.empty((len(times), path.shape[1] - 1))
+    for column, values in zip(rows.T, path[:, 1:].T, strict=True):
+        column[:] = np.interp(times, path[:, 0], values)
+    return rows, (times < path[0, 0]) | ((times > path[-1, 0]) & (len(path) > 1))
 
 
 def path_array(path: ArrayLike) -> Floats:
-    """Return a path as an array of floats, an empty one of what cannot be one."""
+    """Return a path as an array of floats, an empty one if it cannot be converted."""
     try:
         return np.asarray(path, dtype=np.float64)
     except (TypeError, ValueError):
@@ -71,7 +48,7 @@ def checked_path(path: ArrayLike, columns: int, what: str) -> Floats:
 
 
 def span(path: Floats) -> str:
-    """Return how many keyframes a path has and from when to when it goes, in words."""
+    """Return a path's number of keyframes and time span in words."""
     return f"{len(path)} keyframe{'s' * (len(path) != 1)} from {path[0, 0]:g} to {path[-1, 0]:g} s"
 
 
@@ -104,5 +81,5 @@ class MovingLoad:
         return rows
 
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
-        """The load on the finger at the times [s], as the rig holds it."""
+        """Return the load on the finger at the times [s], with the rig's moves."""
         return at_a_point(self.at(times), medium, rig)

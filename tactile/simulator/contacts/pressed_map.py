@@ -1,4 +1,4 @@
-"""A height map pressed onto a cover: its laws and pressures, on cells as small as its contact asks for."""
+"""Solution of a pressed height map: force law and pressures, on cells refined to the contact's size."""
 
 from dataclasses import dataclass
 
@@ -10,21 +10,20 @@ from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_surface import HeightSurface, touching
 
 LEVELS = 17
-"""Indentations at which pressures are solved, closer where the contact begins; in between they are straight in the
-force."""
+"""Indentations at which pressures are solved, denser near first contact; in between they are linear in the force."""
 BETWEEN = 16
-"""Places from one of them to the next in the law of force and indentation, which is a cubic in between."""
+"""Points of the law of force and indentation per solved indentation, by cubic interpolation."""
 ACROSS = 7.0
-"""Cells in a contact's radius: a ball's force is good to 0.5 % then, wherever it lies on the cells, its field to half
-of that."""
+"""Cells in a contact's radius for which a ball's force is good to 0.5 % wherever it lies, and its field to half of
+that."""
 MOST = 1 << 15
-"""Cells at most on which a map is solved, unless it has more itself."""
+"""Most cells on which a map is solved, unless it has more itself."""
 FINER = 4.0
-"""Times, at most, by which cells get smaller at once: what is known of the contact is as coarse as its cells are."""
+"""Largest refinement in one step: the contact is known only as well as its cells are small."""
 SHALLOWEST = 1e-6
-"""Of a cell's width: the shallowest indentation that is looked for, well above the rounding of heights."""
+"""Smallest indentation over a cell's width, well above the rounding of heights."""
 SEARCH = 60
-"""Steps for the indentation under a force; half a dozen are usual."""
+"""Most steps to the indentation under a force; half a dozen are usual."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +31,9 @@ class PressedMap:
     """Pressures under a map up to its deepest indentation.
 
     ``deep`` and ``force`` (n,) [m, N]: the law; ``places`` (cells, 2) [m] of the cells that are pressed, from the map's
-    middle; ``forces`` (levels, cells) [N] on them; ``pitch`` [m] of these cells; ``width`` [m]: the diameter of the
-    deepest contact, as ``radius_in_cells`` has it; ``doubt``: by about what share of the deepest force the map's own
-    cells, not these, leave it open.
+    middle; ``forces`` (levels, cells) [N] on them; ``pitch`` [m] of these cells; ``width`` [m]: twice the
+    deepest contact's ``radius_in_cells``; ``doubt``: the relative uncertainty of the deepest force from the map's own
+    cells, about.
     """
 
     deep: Floats
@@ -64,18 +63,18 @@ def press(heights: Floats, pitch: float, medium: Medium, most: float, by_depth: 
             break
         parts = min(finest, int(np.ceil(parts * min(FINER, ACROSS / max(across, 1e-3)))))
     deep, levels = deepest * np.linspace(0, 1, LEVELS) ** 2, [np.zeros_like(last)] * 2
-    for n in range(1, LEVELS - 1):  # begun at what the two before lead on to
+    for n in range(1, LEVELS - 1):  # first guess: extrapolated from the last two
         ahead = 0.0 if n == 1 else (deep[n] - deep[n - 1]) / (deep[n - 1] - deep[n - 2])
         start = np.maximum(levels[-1] + ahead * (levels[-1] - levels[-2]), 0.0)
         box, level = touching(contact.gap < deep[n], parts), np.zeros_like(last)
         level[box] = contact.part(box).pressed(float(deep[n]), start[box])
-        levels.append(contact.pressed(float(deep[n]), level))  # at once where none beyond the box is touched
+        levels.append(contact.pressed(float(deep[n]), level))  # converged where nothing beyond the box touches
     levels = [*levels[1:], last]
     forces = np.stack(levels) * grid.pitch**2
     pressed = np.asarray(forces.any(axis=0))
     if not pressed.any():
         pressed.flat[int(contact.gap.argmin())] = True
-    dense = np.linspace(0, 1, (LEVELS - 1) * BETWEEN + 1)  # the root of the indentation, in which laws are smooth
+    dense = np.linspace(0, 1, (LEVELS - 1) * BETWEEN + 1)  # in the root of the indentation laws are smooth
     force = PchipInterpolator(np.linspace(0, 1, LEVELS), forces.sum(axis=(1, 2)))(dense)
     doubt = max(
         _between_cells(surface, medium, deepest, parts, float(force[-1])),
@@ -86,14 +85,14 @@ def press(heights: Floats, pitch: float, medium: Medium, most: float, by_depth: 
 
 
 def _depth_of(surface: HeightSurface, parts: int, medium: Medium, force: float, start: float) -> float:
-    """An indentation that takes a little more than this force: by powers of what was found last."""
+    """Return an indentation whose force is up to 1.1 times this one, by a power law through the last two."""
     deep, power, low, high = start, 1.5, (0.0, 0.0), np.inf
     for _ in range(SEARCH):
         got = surface.force(deep, parts, medium)
         if force <= got <= 1.1 * force or (got > force and deep <= SHALLOWEST * surface.pitch):
             break
         if got < force and deep >= 0.999 * medium.thickness:
-            deep = medium.thickness  # goes through, which is refused where it is pressed
+            deep = medium.thickness  # refused by RoughContact.pressed
             continue
         if got < force:
             if low[1] > 0:
@@ -109,27 +108,27 @@ def _depth_of(surface: HeightSurface, parts: int, medium: Medium, force: float, 
 
 
 def _between_cells(surface: HeightSurface, medium: Medium, deep: float, parts: int, force: float) -> float:
-    """What is not known of a smooth surface: a quarter of what every second cell makes of the force [N] at a depth.
+    """Return the uncertainty between cells: a quarter of the force's change when every second cell is left out.
 
-    Cells half as wide make a quarter of the error of a surface with kinks, less of a smooth one.
+    Half the pitch reduces the error to a quarter on surfaces with kinks, and more on smooth ones.
     """
     if min(surface.heights.shape) < 4:
         return 1.0
     halves = [HeightSurface(surface.heights[k::2, k::2], 2 * surface.pitch) for k in (0, 1)]
-    told = [half.force(deep, min(2 * parts, _finest(half, deep)), medium) for half in halves]
-    return min(max(abs(one / max(force, 1e-300) - 1) for one in told) / 4, 1.0)
+    coarse = [half.force(deep, min(2 * parts, _finest(half, deep)), medium) for half in halves]
+    return min(max(abs(one / max(force, 1e-300) - 1) for one in coarse) / 4, 1.0)
 
 
 def _finest(surface: HeightSurface, deep: float) -> int:
-    """Into how many parts a cell may be cut so that where it can touch there are not too many."""
+    """Return the most parts of a cell for which the touching area has at most ``MOST``."""
     return max(1, int(np.sqrt(MOST / surface.grid(deep, 1).size)))
 
 
 def _at_walls(gap: Floats, pressed: Flags, deep: float) -> float:
-    """What is not known of a contact that ends at walls or at the border, for cells as wide as those of the gap.
+    """Return the uncertainty of a contact that ends at walls or at the border, for cells as wide as those of the gap.
 
-    A wall lies anywhere between two cells, a quarter of one off as a rule, and the force grows like the contact's
-    radius: a quarter of a cell in it for a circle, all of whose outline is wall.
+    A wall lies anywhere between two cells, off by a quarter of a cell on average, and the force is proportional to the
+    radius: a quarter of a cell of it for a circle with a wall all around.
     """
     if not pressed.any():
         return 0.0
@@ -142,8 +141,8 @@ def _at_walls(gap: Floats, pressed: Flags, deep: float) -> float:
 
 
 def radius_in_cells(pressed: Flags) -> float:
-    """Twice the area of a contact over its outline, in cells: the radius of a circle, or of a typical one of many."""
+    """Return twice the area of a contact over its outline, in cells: the radius, or a typical one of several."""
     padded = np.pad(pressed, 1)
     sides = sum(int(np.count_nonzero(np.diff(padded, axis=axis))) for axis in (0, 1))
-    # along a slanting outline the sides of cells are 4 / pi times as long as it is
+    # the sides of cells are 4 / pi times as long as a slanting outline
     return 8 / np.pi * np.count_nonzero(pressed) / sides if sides else 0.0

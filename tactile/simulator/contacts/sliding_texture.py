@@ -1,4 +1,4 @@
-"""A textured object that slides over the cover: normal force from its profile, shear that sticks and slips."""
+"""Sliding texture: an object drawn over the cover, its normal force from a profile, its shear by stick and slip."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +13,7 @@ from tactile.simulator.contacts.materials import Material
 from tactile.simulator.contacts.mounting import STILL, Rig, at_a_point
 
 FINEST = 24
-"""Steps for the shortest of: grain, period, and the way to build up the shear that slips."""
+"""Steps per shortest length: grain, period, and the path on which shear builds up to slip."""
 MOST_STEPS = 5_000_000
 
 
@@ -22,17 +22,17 @@ MOST_STEPS = 5_000_000
 class SlidingTexture:
     """An object drawn along a straight line over one point of the cover.
 
-    The normal force is F (1 + profile(way)), never below 0. The shear grows with the way at ``stiffness`` until
-    it reaches static * normal, then drops to kinetic * normal and grows again; where kinetic = static it slides
-    smoothly. It never exceeds static * normal.
+    The normal force is F (1 + profile(s)) along the path s, at least 0. The shear grows at ``stiffness`` until it
+    reaches static * normal, then drops to kinetic * normal and grows again; where kinetic = static it slides
+    smoothly.
 
     Arguments: ``place`` (x, y) [m]; ``material``; ``start``, ``stop`` [s]; ``speed`` [m/s]; ``direction`` [rad] of
     the object's motion, from x towards y; ``force`` F [N]; ``stiffness`` [N/m] of the cover against shear;
     ``seed`` of the profile.
 
     Raises:
-        InputError: a stop before the start, a negative speed or force, a stiffness that is not positive, or so long
-            a way over so fine a profile that it takes over five million steps.
+        InputError: a stop before the start, a negative speed or force, a stiffness that is not positive, or a path
+            that is too long for its profile: over five million steps.
     """
 
     finger: int
@@ -63,7 +63,7 @@ class SlidingTexture:
 
     @cached_property
     def _series(self) -> tuple[Floats, Floats, Floats]:
-        """(way, shear, normal force) along the whole way."""
+        """(path, shear, normal force) along the whole path."""
         way = np.linspace(0, self.speed * (self.stop - self.start), self._steps)
         profile = self.material.profile(way, np.random.default_rng(self.seed))
         normal = self.force * np.maximum(1 + profile, 0)
@@ -79,9 +79,9 @@ class SlidingTexture:
         return way, shear, normal
 
     def series(self, times: Floats) -> tuple[Floats, Floats]:
-        """(shear along the motion, normal force) [N] at the times [s]; 0 before the start and after the stop.
+        """Return (shear along the motion, normal force) [N] at the times [s]; 0 before the start and after the stop.
 
-        Shear is taken from the step before, not between steps: a slip is a jump.
+        Both are those of the last step, not interpolated: a slip is a jump.
         """
         way, shear, normal = self._series
         at = self.speed * (np.clip(times, self.start, self.stop) - self.start)
@@ -90,7 +90,7 @@ class SlidingTexture:
         return np.where(here, shear[step], 0.0), np.where(here, normal[step], 0.0)
 
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
-        """The load on the finger at the times [s], as the rig holds it."""
+        """Return the load on the finger at the times [s], with the object in the rig."""
         shear, normal = self.series(times)
         x, y = (np.full(len(times), place) for place in self.place)
         pull = shear * np.cos(self.direction), shear * np.sin(self.direction)

@@ -12,20 +12,13 @@ from cnnsim.support import Floats
 from tactile.elastic.layer_contact import layer_contact
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import ROUND_TIP, Profile, round_tip_radius
-from tactile.simulator.contacts import tip_numba
-from tactile.simulator.contacts.mounting import Rises
 
 THINNEST = 1e-4
 """Contact radius, over the widest in the tables, below which a layer is a half-space: its force is off by 0.3 %."""
 STEPS = 4
 """Steps of Newton's method from the nearest places of the table to rounding."""
-FAR = 60.0
-"""Logarithms of indentations beyond the table."""
 SMALL = 0.25
 """Largest tip radius over thickness at which circles are those of the half-space: fields differ by at most 4e-4."""
-
-NOTHING: Floats = np.empty((0, 2))
-"""No rises at all."""
 
 
 @lru_cache(maxsize=16)
@@ -63,32 +56,6 @@ def held_factor(force: Floats, rise: Floats, radius: float, medium: Medium) -> F
     grown = _force(np.log(np.where(touches, deeper, 1.0)), law)[0] - _force(deep, law)[0]
     factor: Floats = np.where(touches, np.exp(np.where(touches, grown, 0.0)), np.where(pressing, 0.0, 1.0))
     return factor
-
-
-@lru_cache(maxsize=16)
-def _lines(nu: float) -> tuple[Floats, Floats]:
-    """Logarithms of indentations and of the forces there, both ends of them on the powers that go on beyond."""
-    law = _stiffer(nu)
-    deep = np.array([law.x[0] - FAR, *law.x, law.x[-1] + FAR])
-    return deep, _force(deep, law)[0]
-
-
-def most_pressed(force: float, rises: Rises, medium: Medium) -> float:
-    """Bound of a normal force [N] that a tip holds when a layer rises: by straight lines between a table's places."""
-    return float(tip_numba.most_pressed(force, _pairs(rises), *_layer(medium))) if force > 0 else 0.0
-
-
-def most_raised(forces: Floats, readings: Floats, before: Rises, rises: Rises, medium: Medium) -> float:
-    """Bound of the change of ``readings`` (frames,) under ``forces`` [N] (frames, n) when a layer rises further."""
-    return float(tip_numba.most_raised(forces, readings, _pairs(before), _pairs(rises), *_layer(medium)))
-
-
-def _pairs(rises: Rises) -> Floats:
-    return np.array(rises) if rises else NOTHING
-
-
-def _layer(medium: Medium) -> tuple[float, float, Floats, Floats]:
-    return medium.thickness, medium.contact_modulus, *_lines(medium.nu)
 
 
 def circle(force: Floats, radius: float, medium: Medium) -> tuple[Floats, Profile, float]:

@@ -1,4 +1,4 @@
-"""Traction maps on a finger: any distribution of pressure and shear, given on a grid."""
+"""Traction map: a given distribution of pressure and shear on a grid of a finger."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +16,7 @@ from tactile.simulator.contacts.moving_load import along_path
 
 @dataclass(frozen=True, eq=False)  # arrays are not compared
 class TractionMap:
-    """A map that keeps its shape and place and changes in strength; its tractions are given, and may pull.
+    """A map that keeps its shape and place and changes in strength; its tractions may pull.
 
     Arguments: ``cells`` (n, 5) rows (x, y, Q, R, F) [m, N] of its cells at strength 1; ``path`` (n, 2) rows
     (t, strength) [s, 1].
@@ -35,7 +35,7 @@ class TractionMap:
 
     @cached_property
     def body(self) -> Indenter:
-        """A flat end of the same area: what a rig feels of it."""
+        """A flat punch of the same area, by whose stiffness a mounting holds the map."""
         steps = np.diff(np.unique(self.cells[self.cells[:, F] > 0, : PLACE.stop][:, 0]))
         if not steps.size:
             return Indenter()
@@ -43,7 +43,7 @@ class TractionMap:
         return Indenter("flat_punch", float(np.sqrt(area / np.pi)))
 
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
-        """The loads on the finger at the times [s]; their total acts in the centre of the pressure."""
+        """Return the loads on the finger at the times [s]; their total acts in the centre of the tractions."""
         strength, gone = along_path(self.path, times)
         points = np.broadcast_to(self.cells, (len(times), *self.cells.shape)).copy()
         points[..., FORCE] *= np.where(gone, 0, strength[:, 0])[:, None, None]

@@ -13,7 +13,7 @@ from tactile.core.frame import TaxelArray
 from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import Medium
 from tactile.elastic.rough_contact import RoughContact
-from tactile.simulator.contacts.fewer_points import fewer_points
+from tactile.simulator.contacts.equivalent_points import equivalent_points
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.height_surface import refined
 from tactile.simulator.contacts.heights import cast_heights, read_heights, read_stl
@@ -134,14 +134,14 @@ def test_surfaces_are_parabolas_cones_and_walls_without_ridges() -> None:
     assert (flat < 1).sum() == 16 * (np.hypot(x, y) < 2.6).sum()
 
 
-def test_fewer_points_feel_the_same() -> None:
+def test_equivalent_points_have_the_same_field() -> None:
     x, y = cells(41, 5e-5, 0.0)
     inside = np.hypot(x, 2 * y) < 1e-3
     places = np.stack([x[inside], y[inside]], axis=-1)
     shares = np.stack([np.sqrt(1 - np.hypot(x, 2 * y)[inside] ** 2 / 1e-6), np.ones(len(places))])
     shares /= shares.sum(axis=1, keepdims=True)
     at = np.stack(np.meshgrid(np.linspace(-2e-3, 2e-3, 15), np.linspace(-2e-3, 2e-3, 15)), axis=-1)
-    fewer, carried = fewer_points(places, shares, 1e-3, 1e-3)
+    fewer, carried = equivalent_points(places, shares, 1e-3, 1e-3)
     assert len(fewer) < len(places) / 8
     for medium in (Medium(2.4e6), Medium(1e5, 0.4, thickness=1.1e-3)):
         for pull in np.eye(3):
@@ -149,7 +149,7 @@ def test_fewer_points_feel_the_same() -> None:
             for where, force in ((places, shares[1]), (fewer, carried[1])):
                 fields.append(layered_load(at, 1e-3, np.column_stack([where, force[:, None] * pull]), medium))
             assert np.abs(fields[1] - fields[0]).max() < 1e-3 * np.abs(fields[0]).max()
-    same, all_of_them = fewer_points(places, shares, 1e-4, 1e-3)  # shallow taxels resolve each cell
+    same, all_of_them = equivalent_points(places, shares, 1e-4, 1e-3)  # shallow taxels resolve each cell
     assert same is places
     assert all_of_them is shares
 

@@ -17,7 +17,7 @@ REGULAR = 1e-12
 """Added to the kernel's diagonal, so that forces of neighbours that taxels cannot tell apart stay small."""
 
 
-def fewer_points(places: Floats, shares: Floats, depth: float, accuracy: float) -> tuple[Floats, Floats]:
+def equivalent_points(places: Floats, shares: Floats, depth: float, accuracy: float) -> tuple[Floats, Floats]:
     """Return places (m, 2) [m] and shares (levels, m) of fewer loads, or those given where that needs too many.
 
     The loads lie on an even grid. Their shares minimise the difference of the potentials at the depth z, in the mean
