@@ -1,6 +1,5 @@
 """Contacts that a rig holds over a thin cover: forces and stiffness against rigid bodies pressed onto a grid."""
 
-
 import numpy as np
 import pytest
 from scipy import fft

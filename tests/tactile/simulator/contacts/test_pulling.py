@@ -92,18 +92,6 @@ def test_a_cylinder_wider_than_its_cover_is_thick_presses_by_the_layers_law() ->
         MovingContact(0, lying, np.array([(0.0, 0, 0, 0, 0, 1e7)])).loads(np.zeros(1), 1e-3, layer)
 
 
-def test_a_cylinder_on_a_layer_is_the_same_in_many_frames_as_in_each() -> None:
-    layer, times = replace(RUBBER, thickness=2e-3), np.linspace(0, 1, 5)
-    lying = MovingContact(0, Indenter("cylinder", 4e-3, 1e-2), np.array([(0.0, 0, 0, 0, 0, 0), (1, 0, 0, 0, 0, 9.0)]))
-    together = lying.loads(times, 1e-3, layer).points
-    for n, t in enumerate(times):
-        alone = lying.loads(np.array([t]), 1e-3, layer).points[0]
-        assert together[n, :, 4].sum() == pytest.approx(alone[:, 4].sum()) == pytest.approx(9 * t)
-        for power in (2, 4):  # they may be cut into more points than one alone
-            spread = [(points[:, 1] ** power * points[:, 4]).sum() for points in (together[n], alone)]
-            assert spread[0] == pytest.approx(spread[1], rel=1e-6, abs=1e-20)
-
-
 @pytest.mark.parametrize("by_depth", (True, False))
 def test_a_needle_as_wide_as_itself_on_a_layer_is_refused_by_its_own_numbers(by_depth: bool) -> None:
     layer, needle = replace(RUBBER, thickness=2e-3), Indenter("needle", 5e-5)
@@ -131,18 +119,6 @@ def test_a_rig_presses_by_each_contacts_own_law() -> None:
     grown = raised.totals[0, 0, 4] / still.totals[0, 0, 4]
     assert grown > 1.2
     assert raised.discs[0].radii[0, 0] / still.discs[0].radii[0, 0] == pytest.approx(np.cbrt(grown))
-
-
-@pytest.mark.parametrize("thickness", (np.inf, 2e-3))
-@pytest.mark.parametrize(
-    "body", (Indenter("disc", 7e-4), Indenter("flat_punch", 7e-4), Indenter("cylinder", 2e-3, 6e-3))
-)
-def test_a_raised_cover_presses_by_the_laws_own_slope(body: Indenter, thickness: float) -> None:
-    layer, force, rise = replace(RUBBER, thickness=thickness), np.array([0.4]), np.array([1e-8])
-    law = replace(body, shape="flat_punch") if body.shape == "disc" else body
-    less, more = (float(law.indentation(force * (1 + part), layer)[0]) for part in (-1e-4, 1e-4))
-    found = (body.held_factor(force, rise, layer, 50e-6) - 1) / rise
-    assert found == pytest.approx(2e-4 / (more - less), rel=1e-3)
 
 
 @pytest.mark.parametrize("nu", (0.5, 0.3))
