@@ -1,4 +1,4 @@
-"""A body of finite elements: its out-of-balance forces and their derivative, displacement with or without pressure."""
+"""Body of finite elements: out-of-balance forces and their derivative, with displacements alone or with pressures."""
 
 from functools import cached_property
 
@@ -41,7 +41,7 @@ class Body:
             [kinematics.gradient(np.asarray(field), field.grad, where[0]) for (field,) in self.basis.basis], axis=-1
         ).transpose(2, 3, 0, 1, 4)  # (elements, points, 3, 3, functions)
         self.slopes = self.slopes.reshape(*self.slopes.shape[:2], 9, -1)
-        # G F and -G F^-T cancel where little is deformed, to the last bits of G
+        # G F and -G F^-T cancel at small deformation, to the rounding of G
         self.rounding = (
             np.finfo(float).eps
             * law.medium.shear_modulus
@@ -58,7 +58,7 @@ class Body:
             self.component = np.concatenate([self.component, np.full(self.pressures.N, -1)])
 
     def at_points(self, state: Floats) -> tuple[Floats, Floats]:
-        """Deformation gradients (elements, points, 3, 3) and pressures (elements, points) of a state."""
+        """Return deformation gradients (elements, points, 3, 3) and pressures (elements, points) of a state."""
         local, count = state[self.dofs], self.slopes.shape[-1]
         gradient = np.einsum("eqcn,en->eqc", self.slopes, local[:, :count], optimize=True)
         gradient = gradient.reshape(*gradient.shape[:2], 3, 3) + np.eye(3)
@@ -68,24 +68,24 @@ class Body:
         return gradient, pressure
 
     def forces(self, state: Floats) -> Floats:
-        """Out-of-balance forces [N], per metre of thickness in the plane; in the pressures' rows volumes [m^3]."""
+        """Return the out-of-balance forces [N], per metre in the plane; volumes [m^3] in the pressures' rows."""
         return self.both(*self.at_points(state))[0]
 
     def stiffness(self, gradient: Floats, pressure: Floats) -> sparse.csc_matrix:
-        """Derivative of the forces by the state, at deformation gradients and pressures as ``at_points`` gives them."""
+        """Return the derivative of the forces by the state, at the gradients and pressures of ``at_points``."""
         return self.both(gradient, pressure)[1]
 
     @cached_property
     def at_rest(self) -> sparse.csc_matrix:
-        """``stiffness`` where nothing is deformed: that of small strain."""
+        """The ``stiffness`` without deformation: that of small strain."""
         return self.stiffness(*self.rest())
 
     def rest(self) -> tuple[Floats, Floats]:
-        """``at_points`` where nothing is deformed."""
+        """Return ``at_points`` without deformation."""
         return np.broadcast_to(np.eye(3), (*self.weight.shape, 3, 3)), np.zeros(self.weight.shape)
 
     def both(self, gradient: Floats, pressure: Floats) -> tuple[Floats, sparse.csc_matrix]:
-        """Out-of-balance forces and their derivative."""
+        """Return the out-of-balance forces and their derivative."""
         first, inverse, volume, s, m = stress(self.law, gradient, pressure)
         elements, points, _, count = self.slopes.shape
         weight = self.weight[..., None]
@@ -112,7 +112,7 @@ class Body:
 
 
 def solve(matrix: sparse.csc_matrix, load: Floats, fixed: Integers, values: Floats) -> Floats:
-    """The state of a linear body with some unknowns given: direct, the matrix scaled to a diagonal near one."""
+    """Solve a linear body with some unknowns prescribed: direct, the matrix scaled to a diagonal near one."""
     state = np.zeros(matrix.shape[0])
     state[fixed] = values
     free = np.setdiff1d(np.arange(len(state)), fixed)

@@ -1,4 +1,4 @@
-"""Newton's method: the balance of forces at finite strain under given displacements."""
+"""Finite strain: the balance of forces under prescribed displacements by Newton's method."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from tactile.bump.body import Body, solve
 from tactile.bump.plate import Constraint
 
 TOLERANCE = 1e-9
-"""Out-of-balance forces that count as none, relative to all nodal forces."""
+"""Largest out-of-balance forces of a balance, relative to all nodal forces."""
 ITERATIONS = 15
 
 
 def balance(body: Body, start: Floats, fixed: Integers, values: Floats) -> Floats | None:
-    """The state in balance with the unknowns ``fixed`` at ``values``, None if Newton does not get there from ``start``.
+    """Return the balanced state with the unknowns ``fixed`` at ``values``, None if Newton does not converge.
 
-    The first step is the linear answer about the start; steps that turn an element inside out are refused.
+    The first step is the linear solution about ``start``; steps that invert an element are refused.
     """
     state, free = start, np.ones(body.size, bool)
     free[fixed] = False
@@ -32,10 +32,10 @@ def balance(body: Body, start: Floats, fixed: Integers, values: Floats) -> Float
 
 
 def push_to(body: Body, constraint: Constraint, displacement: float) -> Floats:
-    """The state with the plate, stuck as ``constraint`` says, moved by ``displacement`` [m], in steps as large as work.
+    """Return the state after the plate of ``constraint`` moves by ``displacement`` [m], in converging steps.
 
     Raises:
-        InputError: steps of a 64th do not converge: elements at the contact's edge are turned inside out.
+        InputError: steps of a 64th do not converge: elements at the contact's edge are inverted.
     """
     state, reached, step = np.zeros(body.size), 0.0, 1.0
     while reached < 1:

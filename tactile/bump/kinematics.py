@@ -1,4 +1,4 @@
-"""From displacements on a section to the gradient of the displacement in space, in four geometries.
+"""Kinematics: the displacement gradient in space from displacements on a section, in four geometries.
 
 Rows of the 3 x 3 gradient are the displacement's components, columns the derivative's direction: (x, y, z) in the
 plane and the solid, (r, theta, z) of a body of revolution, where a load along x makes
@@ -24,9 +24,9 @@ class Kinematics:
     """A geometry.
 
     ``components`` of the unknown displacement; ``gradient(value, slope, r)`` (3, 3, ...) from values (components, ...)
-    and slopes (components, directions, ...) at x or radius r; ``around``: what an area is multiplied with, times r
-    where ``ring``; ``axis``: components that vanish on the axis; ``press`` and ``shift``: a rigid unit displacement
-    along z and along x, None where the geometry knows no such load.
+    and slopes (components, directions, ...) at x or radius r; ``around``: factor of areas, times r where
+    ``ring``; ``axis``: components that vanish on the axis; ``press`` and ``shift``: a rigid unit displacement
+    along z and along x, None where the geometry has no such load.
     """
 
     components: int
@@ -61,7 +61,7 @@ PLANE = Kinematics(2, _plane, press=(0.0, 1.0), shift=(1.0, 0.0))
 HALF = replace(PLANE, around=2.0, axis=(0,), shift=None)
 """Half of a symmetric section under a symmetric load."""
 PRESSED = Kinematics(2, _pressed, 2 * np.pi, True, (0,), press=(0.0, 1.0))
-"""A body of revolution loaded alike all around: (u_r, u_z)."""
+"""A body of revolution under an axisymmetric load: (u_r, u_z)."""
 SHEARED = Kinematics(3, _sheared, np.pi, True, (0, 2), shift=(0.0, 2.0, 0.0))
 """A body of revolution loaded along x: (U + V, U - V, W)."""
 SOLID = Kinematics(3, lambda value, slope, r: slope, press=(0.0, 0.0, 1.0), shift=(1.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Rubber: compressible neo-Hookean solids, whose small strains are Hooke's law, in three ways to treat the volume.
+"""Laws of rubber: compressible neo-Hookean solids in three formulations of the volume; Hooke's law at small strain.
 
 All have the first Piola-Kirchhoff stress P and its derivative A in one form, of the scalars s and m,
 
@@ -17,7 +17,7 @@ from tactile.elastic.medium import Medium
 
 
 class Law(Protocol):
-    """A material: ``mixed`` says whether the pressure is an unknown of its own."""
+    """A material; ``mixed``: the pressure is an unknown."""
 
     mixed: ClassVar[bool]
 
@@ -44,14 +44,14 @@ class Mixed:
 
     @property
     def compliance(self) -> float:
-        """1 / lambda [1/Pa]; without lambda (nu = 0) the pressure is held to 1e-12 of its would-be size."""
+        """1 / lambda [1/Pa]; at nu = 0, where lambda is 0, 1e-12 G stands for it."""
         g = self.medium.shear_modulus
         return 1 / max(lame(self.medium), 1e-12 * g)
 
 
 @dataclass(frozen=True)
 class Displacement:
-    """Displacement alone: p = lambda (J - 1) in the same energy. Locks where lambda is large: shown, not used."""
+    """Displacement alone: p = lambda (J - 1) in the same energy. Locks where lambda is large: for comparison only."""
 
     medium: Medium
     mixed: ClassVar[bool] = False
@@ -64,7 +64,7 @@ class Displacement:
 
 @dataclass(frozen=True)
 class PlaneStress:
-    """The same body free to get thicker or thinner: F_yy = f makes P_yy vanish, which is a quadratic equation,
+    """Plane stress: F_yy = f follows from P_yy = 0, a quadratic equation,
 
         f^2 (G + lambda J2^2) - lambda J2 f - G = 0,    J2 the change of area in the plane
 
@@ -75,7 +75,7 @@ class PlaneStress:
     mixed: ClassVar[bool] = False
 
     def terms(self, volume: Floats, pressure: Floats) -> tuple[Floats, Floats]:
-        """s = -G f^2 and m = -2 G f J2 df/dJ2, where ``volume`` is J2: F_yy counts as 1 outside."""
+        """s = -G f^2 and m = -2 G f J2 df/dJ2, where ``volume`` is J2, F_yy being 1 in the gradient."""
         g, f = self.medium.shear_modulus, self.thickening(volume)
         lam = lame(self.medium)
         if np.isinf(lam):

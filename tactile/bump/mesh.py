@@ -1,4 +1,4 @@
-"""Meshes of the bump: the half section and the whole one."""
+"""Meshes of the bump's half section and whole section."""
 
 from functools import partial
 
@@ -11,19 +11,19 @@ from tactile.bump.triangulate import triangulate
 
 
 def half_section(shape: Shape, fineness: float = 1.0, touching: bool = False, sensor: float | None = None) -> MeshTri2:
-    """Triangles with curved sides on the half x >= 0 of the section: ``fineness`` 2 halves their edges."""
+    """Return triangles with curved sides on the half x >= 0 of the section: ``fineness`` 2 halves their edges."""
     return curved(plane_mesh(shape, fineness, touching, sensor), shape)
 
 
 def plane_mesh(shape: Shape, fineness: float = 1.0, touching: bool = False, sensor: float | None = None) -> MeshTri:
-    """The same with straight sides."""
+    """Return the same with straight sides."""
     size = partial(shape.size, fineness=fineness, touching=touching, sensor=sensor)
     points, triangles = triangulate(shape.outline(), shape.inside, size)
     return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))
 
 
 def whole_section(shape: Shape, fineness: float = 1.0, touching: bool = False, sensor: float | None = None) -> MeshTri2:
-    """The half section and its mirror image: symmetric to the last bit, so that any cross-talk is the solver's."""
+    """Return the half section and its mirror image, exactly symmetric, so that any cross-talk is the solver's."""
     half = plane_mesh(shape, fineness, touching, sensor)
     count, p = half.p.shape[1], half.p
     off = np.flatnonzero(p[0] > 0)
@@ -34,7 +34,7 @@ def whole_section(shape: Shape, fineness: float = 1.0, touching: bool = False, s
 
 
 def curved(mesh: MeshTri, shape: Shape) -> MeshTri2:
-    """The mesh with the middles of its sides on the arc put there: a straight side costs the order of P2."""
+    """Return the mesh with the midpoints of its arc sides on the arc: straight sides reduce the order of P2."""
     fine = MeshTri2.from_mesh(mesh)
     doflocs = np.array(fine.doflocs, order="C")
     middle = mesh.p.shape[1] + np.arange(mesh.facets.shape[1])

@@ -1,4 +1,4 @@
-"""The rigid plate on the bump as a constraint: the displacements that it prescribes and the force that this takes."""
+"""Rigid plate on the bump as a constraint: prescribed displacements and the resulting force."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,7 +11,7 @@ from tactile.bump.kinematics import SOLID
 from tactile.bump.shape import Shape
 
 Push = Literal["press", "shift"]
-"""Along z, into the body, or along x; the plate does not tilt."""
+"""Motion along z, into the body, or along x; the plate does not tilt."""
 
 
 @dataclass(frozen=True)
@@ -22,16 +22,16 @@ class Constraint:
     rigid: Floats
 
     def state(self, displacement: float) -> Floats:
-        """Values at ``fixed`` for a displacement [m] of the plate."""
+        """Return the values at ``fixed`` for a displacement [m] of the plate."""
         return displacement * self.rigid[self.fixed]
 
     def force(self, out_of_balance: Floats) -> float:
-        """What the plate carries along its push [N], from the virtual work of a unit displacement."""
+        """Return the plate's force along its motion [N], from the virtual work of a unit displacement."""
         return float(self.rigid @ out_of_balance)
 
 
 def plate_constraint(body: Body, shape: Shape, push: Push, contact: float | None = None) -> Constraint:
-    """The bottom fixed, the sides free, the top stuck to the plate up to ``contact`` [m], the shape's unless given."""
+    """Fix the bottom, free the sides, and stick the top to the plate up to ``contact`` [m], by default the shape's."""
     reach = shape.contact if contact is None else contact
     x, z = (body.place[0], body.place[1]) if len(body.place) == 2 else (np.hypot(*body.place[:2]), body.place[2])
     near = 1e-9 * shape.radius
@@ -54,12 +54,12 @@ def plate_constraint(body: Body, shape: Shape, push: Push, contact: float | None
 
 
 def respond(body: Body, constraint: Constraint, rest: tuple[Floats, Floats] | None = None) -> Floats:
-    """The state per metre that the plate moves, at small strain, about ``rest`` (nothing deformed unless given)."""
+    """Return the small-strain state per metre of the plate's motion, about ``rest``, by default undeformed."""
     matrix = body.at_rest if rest is None else body.stiffness(*rest)
     return solve(matrix, np.zeros(body.size), constraint.fixed, constraint.state(1.0))
 
 
 def stiffness(body: Body, constraint: Constraint, state: Floats) -> float:
-    """Force over displacement [N/m] of a small-strain response, four quarters counted where the body is one."""
+    """Return force over displacement [N/m] of a small-strain response, times four for a quarter solid."""
     force = constraint.force(body.at_rest @ state)
     return 4 * force if body.kinematics is SOLID else force

@@ -1,4 +1,4 @@
-"""Displacement, strain and stress inside a body at given points, smoothed over the elements."""
+"""Probe of displacement, strain and stress at points of a body, smoothed over the elements."""
 
 from functools import cached_property
 
@@ -14,8 +14,8 @@ from tactile.bump.body import ELEMENTS, Body
 class Probe:
     """Points (n, 2) of the section, or (n, 3) of the solid, at which states are read.
 
-    Strains jump from element to element; they are read from the continuous quadratic field nearest to them in the
-    mean square, which is nearer the truth than either side of a jump.
+    Strains jump from element to element; they are read from the continuous quadratic field that fits them best
+    in the mean square, which is more accurate than either side of a jump.
     """
 
     def __init__(self, body: Body, points: Floats) -> None:
@@ -31,7 +31,7 @@ class Probe:
         self._scalar = Basis(mesh, ELEMENTS[len(at), 2](), quadrature=body.basis.quadrature)
 
     def _shapes(self, basis: Basis) -> tuple[Floats, Floats]:
-        """Values (functions, ..., n) and unknowns (functions, n) of a basis at the points."""
+        """Return values (functions, ..., n) and unknowns (functions, n) of a basis at the points."""
         fields = [
             np.asarray(basis.elem.gbasis(basis.mapping, self._local, number, tind=self._cells)[0])[..., 0]
             for number in range(basis.Nbfun)
@@ -39,7 +39,7 @@ class Probe:
         return np.stack(fields), basis.element_dofs[:, self._cells]
 
     def displacement(self, state: Floats) -> Floats:
-        """(n, components) [m]."""
+        """Return the displacement (n, components) [m]."""
         shapes, dofs = self._shapes(self.body.basis)
         return np.einsum("fcn,fn->nc", shapes, state[dofs])
 
@@ -48,7 +48,7 @@ class Probe:
         return splu(mass.assemble(self._scalar).tocsc())
 
     def read(self, field: Floats) -> Floats:
-        """A field (elements, quadrature points, ...) at the points: (n, ...)."""
+        """Return a field (elements, quadrature points, ...) at the points: (n, ...)."""
         basis = self._scalar
         weight = np.stack([np.asarray(shape) for (shape,) in basis.basis]) * basis.dx
         flat = field.reshape(*field.shape[:2], -1)
@@ -59,12 +59,12 @@ class Probe:
         return np.einsum("fn,fnk->nk", shapes, nodal[dofs]).reshape(-1, *field.shape[2:])
 
     def strain(self, state: Floats) -> Floats:
-        """Small strain (n, 3, 3), the symmetric part of the displacement's gradient."""
+        """Return the small strain (n, 3, 3), the symmetric part of the displacement's gradient."""
         gradient, _ = self.body.at_points(state)
         return self.read((gradient + np.swapaxes(gradient, -1, -2)) / 2 - np.eye(3))
 
     def stress(self, state: Floats) -> Floats:
-        """Stress at small strain (n, 3, 3) [Pa], 2 G e + p, of a mixed body."""
+        """Return the stress at small strain (n, 3, 3) [Pa], 2 G e + p, of a mixed body."""
         gradient, pressure = self.body.at_points(state)
         strain = (gradient + np.swapaxes(gradient, -1, -2)) / 2 - np.eye(3)
         return self.read(2 * self.body.law.medium.shear_modulus * strain + pressure[..., None, None] * np.eye(3))

@@ -1,4 +1,4 @@
-"""Response of the taxels under and around one bump to the force on its plate: finite elements to a table of radii.
+"""Response of taxels around a bump to the force on its plate: a table over radii from finite elements.
 
 A body of revolution answers a force (Q, R, F) on its axis with five functions of the distance rho: as in
 ``elastic.layer_loads``, with (c, s) the direction from the bump to the taxel and a = Q c + R s,
@@ -24,13 +24,13 @@ from tactile.bump.touch import lower
 from tactile.elastic.medium import Medium
 
 KNOTS = 9
-"""Forces at which a table of finite strain is made; between them it is a cubic spline."""
+"""Forces of a table of finite strain, with cubic splines in between."""
 STEPS = 40
-"""Steps in which the plate is lowered for it."""
+"""Steps in which the plate is lowered."""
 
 
 def small_strain(shape: Shape, medium: Medium, depth: float, radii: Floats, fineness: float = 2.0) -> Response:
-    """The linear response of a plate stuck to the bump up to ``shape.contact``, in the medium's quantity.
+    """Return the linear response of a plate stuck to the bump up to ``shape.contact``, in the medium's quantity.
 
     Arguments: ``depth`` [m] under the body's surface, at most its thickness; ``radii`` (n,) [m], the first 0.
 
@@ -39,7 +39,7 @@ def small_strain(shape: Shape, medium: Medium, depth: float, radii: Floats, fine
     """
     points = _points(shape, depth, radii)
     mesh = half_section(shape, fineness)
-    felt, stiffnesses = [], []
+    responses, stiffnesses = [], []
     for kinematics in (PRESSED, SHEARED):
         body = Body(mesh, kinematics, Mixed(medium))
         constraint = plate_constraint(body, shape, "press" if kinematics is PRESSED else "shift")
@@ -47,15 +47,15 @@ def small_strain(shape: Shape, medium: Medium, depth: float, radii: Floats, fine
         force = constraint.force(body.at_rest @ state)
         probe = Probe(body, points)
         read = probe.strain(state) if medium.quantity == "strain" else probe.stress(state)
-        felt.append(read / force)
+        responses.append(read / force)
         stiffnesses.append(force)
-    return Response(radii, np.ones(1), np.full(1, np.nan), *_five(*felt), np.array(stiffnesses))
+    return Response(radii, np.ones(1), np.full(1, np.nan), *_five(*responses), np.array(stiffnesses))
 
 
 def finite_strain(
     shape: Shape, medium: Medium, depth: float, radii: Floats, indentation: float, fineness: float = 1.0
 ) -> Response:
-    """The response of neo-Hookean rubber under a flat plate that touches more and more of the bump.
+    """Return the response of neo-Hookean rubber under a flat plate that touches more and more of the bump.
 
     The normal part is the whole Green strain under the force; the shear part the change of Green strain per newton
     of a small shear force on top of it, the touched nodes sticking: exact to first order in the shear.
@@ -72,7 +72,7 @@ def finite_strain(
     points = _points(shape, depth, radii)
     mesh = half_section(shape, fineness, touching=True)
     pressed, sheared = (Body(mesh, kinematics, Mixed(medium)) for kinematics in (PRESSED, SHEARED))
-    probe, beside = Probe(pressed, points), Probe(sheared, points)
+    probe, side_probe = Probe(pressed, points), Probe(sheared, points)
     stride = STEPS // (KNOTS - 1)
     forces, depths, normal, shear = [0.0], [0.0], [np.zeros((len(radii), 3, 3))], []
     stiffnesses, watched_by = np.zeros(2), watcher()
@@ -89,7 +89,7 @@ def finite_strain(
         change = np.swapaxes(gradient, -1, -2) @ moved
         if number == 1:
             stiffnesses = np.array([touch.force / touch.indentation, force])
-        shear.append(beside.read((change + np.swapaxes(change, -1, -2)) / 2) / force)
+        shear.append(side_probe.read((change + np.swapaxes(change, -1, -2)) / 2) / force)
         if number % stride == 0:
             forces.append(touch.force)
             depths.append(touch.indentation)
@@ -104,7 +104,7 @@ def _points(shape: Shape, depth: float, radii: Floats) -> Floats:
         raise InputError(f"taxels {depth} m deep in a body of {shape.thickness} m, a depth up to it wanted")
     if radii.max() >= shape.reach:
         raise InputError(f"taxels {radii.max()} m from a bump whose body ends at {shape.reach} m, less wanted")
-    within = depth * (1 - 1e-9)  # on the bottom itself a point may fall outside every element
+    within = depth * (1 - 1e-9)  # a point on the bottom may fall outside every element
     return np.stack([radii, np.full(len(radii), within)], axis=-1)
 
 
@@ -113,6 +113,6 @@ def _five(pressed: Floats, sheared: Floats) -> tuple[Floats, Floats]:
     along, around = sheared[..., 0, 2], sheared[..., 1, 2]
     normal = np.stack([pressed[..., 2, 2], pressed[..., 0, 2]], axis=-1)
     shear = np.stack([sheared[..., 2, 2], (along - around) / 2, -(along + around) / 2], axis=-1)
-    normal[..., 0, 1] = 0  # on the axis what is odd is 0, to the elements' error
+    normal[..., 0, 1] = 0  # odd functions are 0 on the axis
     shear[..., 0, [0, 2]] = 0
     return normal.reshape(-1, *normal.shape[-2:]), shear.reshape(-1, *shear.shape[-2:])

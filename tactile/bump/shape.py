@@ -1,4 +1,4 @@
-"""The bump's dimensions and its outline."""
+"""Dimensions and outline of the bump, and the size of its elements."""
 
 import itertools
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class Shape:
         return self.waist + self.fillet
 
     def outline(self) -> list[Side]:
-        """The boundary of the half x >= 0 as sides that join at its corners, the axis last."""
+        """Return the boundary of the half x >= 0 as sides that join at its corners, the axis last."""
         edge, waist = np.arcsin(self.contact / self.radius), np.arccos(self.fillet / self.radius)
 
         def arc(start: float, stop: float, share: Floats) -> Floats:
@@ -72,7 +72,7 @@ class Shape:
         ]
 
     def inside(self, points: Floats) -> Flags:
-        """Which points (n, 2) lie in the half x >= 0, the boundary left out."""
+        """Return which points (n, 2) lie inside the half x >= 0."""
         x, z = points.T
         body = (x > 0) & (x < self.reach) & (z >= 0) & (z < self.thickness)
         cap = (x > 0) & (z < 0) & (np.hypot(x, z) < self.radius)
@@ -82,12 +82,11 @@ class Shape:
     def size(
         self, points: Floats, fineness: float = 1.0, touching: bool = False, sensor: float | None = None
     ) -> Floats:
-        """Wanted edge length [m]: fine where stress peaks, at the contact's edge and in the corner of the bump.
+        """Return the wanted edge length [m]: small where stress peaks, at the contact's edge and in the bump's corner.
 
-        With ``touching`` fine all along the arc that a plate may come to touch. With ``sensor``, a depth [m] on the
-        axis where strains are read, fine there (what an element says of them is only as exact as it is small) and
-        still finer where stress has no bound, which spoils all: where the glued top ends, at both ends of the fillet,
-        and where the free side meets the fixed bottom.
+        With ``touching`` small all along the arc that a plate may touch. With ``sensor``, a depth [m] on the axis where
+        strains are read, small there, and still smaller where stress is singular: at the end of the stuck top, at both
+        ends of the fillet, and where the free side meets the fixed bottom.
         """
         edge, foot = np.array([self.contact, -np.sqrt(self.radius**2 - self.contact**2)]), np.array([self.foot, 0.0])
         fine = [(edge, 0.01), (foot, 0.05)]  # and how fine, in radii
@@ -103,6 +102,6 @@ class Shape:
         return np.asarray(np.minimum(np.min(wanted, axis=0), largest) / fineness)
 
     def curved(self, points: Floats) -> Flags:
-        """Which points (n, 2) lie on the hemisphere's arc."""
+        """Return which points (n, 2) lie on the hemisphere's arc."""
         on = np.abs(np.hypot(*points.T) - self.radius) < 1e-9 * self.radius
         return np.asarray(on & (points[:, 1] < -self.fillet * (1 - 1e-9)))

@@ -1,4 +1,4 @@
-"""Response tables of bumps, kept in memory and in the user's cache."""
+"""Response tables of bumps, and their cache on disk."""
 
 import contextlib
 import hashlib
@@ -15,17 +15,16 @@ from cnnsim.support.array_files import read_npz_arrays
 from cnnsim.support.cache_folder import user_cache
 
 VERSION = 2
-"""Goes up when the same bump gets other numbers: older tables are then computed anew."""
+"""Version of the numbers: tables of another version are computed again."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """What is felt at one depth around a bump, see ``bump.response``.
+    """Readings at one depth around a bump, see ``bump.response``.
 
-    ``radii`` (n,) [m]; ``forces`` (k,) [N] at which the table is made, one newton alone where all is
-    linear; ``indentations`` (k,) [m] there, NaN where linear; ``normal`` (k, n, 2): zz and rz under that force;
-    ``shear`` (k, n, 3): zz, even and odd per newton of shear; ``stiffness`` (2,): force over
-    displacement of the plate [N/m], at first along z, then x.
+    ``radii`` (n,) [m]; ``forces`` (k,) [N] of the table, one newton where it is linear; ``indentations`` (k,) [m] at
+    these forces, NaN where linear; ``normal`` (k, n, 2): zz and rz under these forces; ``shear`` (k, n, 3): zz, even
+    and odd per newton of shear; ``stiffness`` (2,): force over displacement of the plate [N/m], along z, then x.
     """
 
     radii: Floats
@@ -37,20 +36,19 @@ class Response:
 
     @property
     def linear(self) -> bool:
-        """Whether it holds for every force."""
+        """Whether the response is linear in the force."""
         return len(self.forces) == 1
 
 
 def folder() -> Path:
-    """Where tables are kept: the user's cache."""
+    """Return the folder of tables in the user's cache."""
     return user_cache() / "cellular-wave-touch" / "bumps"
 
 
 def remembered(key: str, make: Callable[[], Response]) -> Response:
-    """The table that ``make`` gives, from the cache where the same ``key`` was asked for before.
+    """Return the table of a ``key`` from the cache, or from ``make``, and write it there.
 
-    A file that cannot be read, or was made for another key, is made again. A cache that cannot be written is done
-    without.
+    A file that cannot be read, or has another key, is made again. A cache that cannot be written is not used.
     """
     key = f"{VERSION} {key}"
     path = folder() / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
@@ -71,7 +69,7 @@ def _keep(path: Path, key: str, table: Response) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             np.savez(file, key=key, **vars(table))
-        Path(name).replace(path)  # whoever reads sees a whole file or none
+        Path(name).replace(path)  # readers see a whole file or none
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise

@@ -1,4 +1,4 @@
-"""A rigid flat plate lowered on the bump: what it touches sticks, and the contact grows."""
+"""Rigid flat plate lowered on the bump: touched nodes stick, and the contact grows."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from tactile.bump.plate import plate_constraint
 from tactile.bump.shape import Shape
 
 PULL = 1e-6
-"""Share of the largest force on a node by which the plate must pull to let go: rounding is no pull."""
+"""Pull that releases a node, as a share of the largest nodal force: above rounding."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class Touch:
 
 
 def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool) -> Iterator[Touch]:
-    """A rigid flat plate lowered step by step on the top of a body under a ``press``.
+    """Lower a rigid flat plate step by step on the top of a body.
 
-    Whatever of the arc comes to lie on or above the plate's plane sticks to it where it arrived (infinite friction);
-    at its edge it comes off again where the plate would have to pull: the contact grows and shrinks by whole nodes.
+    Nodes of the arc that reach the plate stick where they arrive (infinite friction); at the edge they come off where
+    the plate would pull: the contact grows and shrinks by whole nodes.
 
     Arguments: ``indentations`` [m], growing; ``finite``: strains of any size, else the small-strain body.
 
@@ -49,7 +49,7 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
         lowered = wanted - nodes.gap
         about = linear if linear is not None else body.stiffness(*body.at_points(state))
         offset = -body.forces(state) if finite else np.zeros(body.size)
-        certain = False  # whether the state tried is the balance, or its linear estimate
+        certain = False  # whether the tried state is the balance, not its linear estimate
         released, kept = np.zeros_like(sticking), np.zeros_like(sticking)
         while True:
             fixed, values = nodes.prescribed(sticking, anchor, lowered)
@@ -67,12 +67,12 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
                 tried = solve(about, offset, fixed, values)
             over = ~sticking & (tried[nodes.down] < lowered - 1e-9 * shape.radius)
             if over.any():
-                # where the plate met a node on its way, its side displacement lies between the two states'
+                # the side displacement at which the plate met a node lies between those of both states
                 before, after = state[nodes.down] - (reached - nodes.gap), tried[nodes.down] - lowered
                 share = np.clip(before / np.where(over, before - after, 1), 0, 1)
                 anchor[over] = (state[nodes.side] + share * (tried[nodes.side] - state[nodes.side]))[over]
                 sticking |= over
-                kept |= over & released  # it came off, and into the plate: what pulls there is the mesh's
+                kept |= over & released  # it came off and back: the pull there is an error of the mesh
             elif finite and not certain:
                 certain = True
             else:
@@ -87,7 +87,7 @@ def lower(body: Body, shape: Shape, indentations: Iterable[float], finite: bool)
 
 
 class _Nodes:
-    """The nodes of the arc: their unknowns sideways and down, and how far under the plate they start [m]."""
+    """Nodes of the arc: their unknowns sideways and down, and their initial distance to the plate [m]."""
 
     def __init__(self, body: Body, shape: Shape) -> None:
         x, z = body.place
@@ -103,12 +103,12 @@ class _Nodes:
         self._base: Integers = np.setdiff1d(plate_constraint(body, shape, "press", contact=0.0).fixed, on_plate)
 
     def outermost(self, sticking: Flags) -> int | None:
-        """The node farthest out of those that stick, None where only the axis does."""
+        """Return the outermost sticking node, None where only the axis sticks."""
         some = sticking & ~self.on_axis
         return int(np.where(some, self.x, -1.0).argmax()) if some.any() else None
 
     def prescribed(self, sticking: Flags, anchor: Floats, lowered: Floats) -> tuple[Integers, Floats]:
-        """The prescribed unknowns and their values, where some nodes stick to a plate at ``lowered`` above them."""
+        """Return the prescribed unknowns and their values, with sticking nodes moved by ``lowered``."""
         fixed = np.concatenate(
             [self._base, self.side[self.on_axis], self.side[sticking & ~self.on_axis], self.down[sticking]]
         )

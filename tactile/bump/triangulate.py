@@ -1,4 +1,4 @@
-"""Graded triangles in a plane region: points along its boundary, then circumcentres where triangles are too large."""
+"""Graded triangulation of a plane region: points along its boundary, then circumcentres of triangles too large."""
 
 from collections.abc import Callable
 
@@ -11,21 +11,21 @@ LARGEST = 0.75
 """Circumradius over wanted edge length above which a triangle gets a point; 0.58 is the equilateral triangle's."""
 
 Side = Callable[[Floats], Floats]
-"""A piece of a boundary: shares (n,) from 0 to 1 along it to points (n, 2)."""
+"""Maps shares (n,) from 0 to 1 along a side of the boundary to points (n, 2)."""
 
 
 def straight(start: tuple[float, float], stop: tuple[float, float]) -> Side:
-    """The line between two points."""
+    """Return the line between two points."""
     return lambda share: np.stack([a + (b - a) * share for a, b in zip(start, stop, strict=True)], axis=-1)
 
 
 def triangulate(
     outline: list[Side], inside: Callable[[Floats], Flags], size: Callable[[Floats], Floats]
 ) -> tuple[Floats, Integers]:
-    """Points (n, 2) and triangles (m, 3) of the region within a closed outline.
+    """Return points (n, 2) and triangles (m, 3) of the region within a closed outline.
 
     A new point lies at least its wanted edge length times 0.75 from all others, and so, with boundary points an edge
-    length apart, at least half a length from the boundary: no triangle gets thin. No corner of the region may be
+    length apart, at least half a length from the boundary: no triangle is thin. No corner of the region may be
     sharper than about 60 degrees.
 
     Arguments: ``outline``: sides that follow one another around the region, their ends its fixed points;
@@ -42,7 +42,7 @@ def triangulate(
         if not new.size:
             break
         new = new[np.argsort(-excess[new])]
-        # of circumcentres nearer to each other than their circles reach, the worst goes first
+        # of circumcentres too close to each other the worst is taken
         tree, taken = cKDTree(centre[new]), np.zeros(len(new), bool)
         for n, close in enumerate(tree.query_ball_point(centre[new], LARGEST * size(centre[new]))):
             taken[n] = not taken[close].any()
@@ -51,7 +51,7 @@ def triangulate(
 
 
 def _graded(side: Side, size: Callable[[Floats], Floats]) -> Floats:
-    """Points along a side and on it, each a wanted edge length from the next, both ends among them."""
+    """Return points on a side, each a wanted edge length from the next, with both ends."""
     share = np.linspace(0, 1, 9)
     while True:
         points, middle = side(share), side((share[1:] + share[:-1]) / 2)

@@ -106,8 +106,8 @@ def potential(
     widest = float(radius.max(initial=0))
     if widest > WIDEST:
         raise InputError(f"a contact {widest:.3g} depths in radius, at most {WIDEST:g} wanted")
-    asked = np.broadcast_to(wanted, shape)
-    flat = [np.broadcast_to(part, shape)[asked] for part in (rho, radius, lam)]
+    needed = np.broadcast_to(wanted, shape)
+    flat = [np.broadcast_to(part, shape)[needed] for part in (rho, radius, lam)]
     found = np.empty((4, flat[0].size))
     count = _nodes(float(flat[1].max(initial=0)))
     chunk = max(1, BUDGET // count)
@@ -115,7 +115,7 @@ def potential(
         cut = slice(start, start + chunk)
         found[:, cut] = _line(flat[0][cut], flat[1][cut], profile, flat[2][cut], count)
     out = np.zeros((4, *shape))
-    out[:, asked] = found
+    out[:, needed] = found
     a, b, c, h = out
     return a, b, c, h
 

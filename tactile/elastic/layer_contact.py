@@ -75,9 +75,9 @@ def cosine_transform(of: Callable[[Floats, float], Floats], nu: float = 0.5) -> 
     return CubicSpline(x, np.cos(np.outer(x, k)) @ step)
 
 
-def spread(felt: CubicSpline, at: Floats, t: Floats, step: Floats) -> Floats:
+def spread(kernel: CubicSpline, at: Floats, t: Floats, step: Floats) -> Floats:
     """Return the matrix that maps W at nodes t > 0 to (1 / pi) integral of M(at - s) W(s) ds, for an even W."""
-    both: Floats = (felt(np.abs(at[:, None] - t)) + felt(at[:, None] + t)) * step / np.pi
+    both: Floats = (kernel(np.abs(at[:, None] - t)) + kernel(at[:, None] + t)) * step / np.pi
     return both
 
 
@@ -236,13 +236,13 @@ class LayerContact:
         for n, one in enumerate(square):
             end[n] = np.prod([(1 - other) / (one - other) for other in np.delete(square, n)])
         every = np.vstack([np.ones(len(places) + 1), np.column_stack([ratio, ratio[:, -4:] @ end])])
-        beside = RectBivariateSpline(self.place(np.append(0, radii)), np.append(places, 1.0), every)
+        table = RectBivariateSpline(self.place(np.append(0, radii)), np.append(places, 1.0), every)
         plain = {"flat": FLAT_PUNCH, "paraboloid": HERTZ, "sphere": ROUND_TIP}[self.body]
         size = self.size if self.body == "sphere" else np.inf
 
         def weight(theta: Floats, lam: Floats) -> Floats:
             at, a = np.abs(np.sin(theta)), np.broadcast_to(lam, theta.shape)
-            out: Floats = plain.weight(theta, lam / size) * beside.ev(self.place(a), at)
+            out: Floats = plain.weight(theta, lam / size) * table.ev(self.place(a), at)
             return out
 
         return Profile(f"{self.body} on a layer", weight, size)

@@ -33,11 +33,11 @@ def layer_twist() -> Profile:
     ratio = np.ones((RADII, ANGLES))
     for n, a in enumerate((np.sinh(places[1:]) / 4).tolist(), 1):
         ratio[n] = _ratio(a, np.sin(angles))
-    beside = RectBivariateSpline(places, angles, ratio)
+    table = RectBivariateSpline(places, angles, ratio)
 
     def weight(theta: Floats, lam: Floats) -> Floats:
         at = np.arcsinh(4 * np.broadcast_to(lam, theta.shape))
-        out: Floats = HERTZ.weight(theta, lam) * beside.ev(at, np.abs(theta))
+        out: Floats = HERTZ.weight(theta, lam) * table.ev(at, np.abs(theta))
         return out
 
     return Profile("twist on a layer", weight)
@@ -45,10 +45,10 @@ def layer_twist() -> Profile:
 
 def _ratio(a: float, at: Floats) -> Floats:
     """Return W over Hertz' at places from 0 to 1 of the radius ``a`` in thicknesses."""
-    felt = cosine_transform(across_excess)
+    kernel = cosine_transform(across_excess)
     nodes, weights = gauss(16 + int(4 * a))
     t, step = a * (nodes + 1) / 2, a * weights / 2
-    spread = (felt(np.abs(t[:, None] - t)) - felt(t[:, None] + t)) * step / np.pi
+    spread = (kernel(np.abs(t[:, None] - t)) - kernel(t[:, None] + t)) * step / np.pi
     slope = np.linalg.solve(np.eye(len(t)) - spread, t)
     # W is the integral of g from t to a, and g a polynomial through the nodes
     degrees = np.arange(len(t))

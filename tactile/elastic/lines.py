@@ -53,7 +53,7 @@ def cylinder_loads(
     turn = np.arange(1, count + 1) * np.pi / (count + 1)
     across_weights = 2 / (count + 1) * np.sin(turn) ** 2  # Gauss-Chebyshev of the second kind, sum 1
     if medium is not None and np.isfinite(medium.thickness):
-        from tactile.elastic.strip_contact import strip_contact  # only where a layer asks for it
+        from tactile.elastic.strip_contact import strip_contact  # imports SciPy's splines
 
         wide = (width / medium.thickness)[..., None]
         across_weights = across_weights * strip_contact(medium.nu).shape(*np.broadcast_arrays(wide, np.cos(turn)))
@@ -71,7 +71,7 @@ def cylinder_half_width(force: ArrayLike, length: float, radius: float, medium: 
     """
     pressing = np.maximum(np.asarray(force, dtype=np.float64), 0)
     if np.isfinite(medium.thickness):
-        from tactile.elastic.strip_contact import strip_contact  # only where a layer asks for it
+        from tactile.elastic.strip_contact import strip_contact  # imports SciPy's splines
 
         h = medium.thickness
         return strip_contact(medium.nu).width(pressing * radius / (medium.contact_modulus * length * h**2)) * h
@@ -111,7 +111,7 @@ def line_indentation(
 @lru_cache(maxsize=64)
 def _base(length: float, nu: float, middle: bool) -> "CubicSpline":
     """Return the reduction of the bracket by the base and the pressure's shape, over the half width in thicknesses."""
-    from scipy.interpolate import CubicSpline  # SciPy only where a layer asks for it
+    from scipy.interpolate import CubicSpline  # slow to import
 
     from tactile.elastic.rough_contact import REACH, base_reduction  # the same
     from tactile.elastic.strip_contact import WIDEST, strip_contact  # the same
@@ -130,14 +130,14 @@ def _base(length: float, nu: float, middle: bool) -> "CubicSpline":
         across = share * strip_contact(nu).shape(np.full(64, b), np.sin(angle))
         across /= across.sum()
         s = b * np.sin(angle)
-        felt = base_reduction(nu)(np.minimum(np.hypot(x, s[:, None]), REACH)) @ step
+        reduced = base_reduction(nu)(np.minimum(np.hypot(x, s[:, None]), REACH)) @ step
         # far away the layer does not move: the whole 1 / r of the half-space is removed
         near = np.maximum(s, 1e-9)
         beyond = np.arcsinh(far / near) - np.arcsinh(end / near)
         if not middle:
             beyond -= (np.hypot(length, near) - np.hypot(end, near)) / length
         blunt = 2 * across @ np.log(2 * np.sin(angle)) + 1  # 0 under an ellipse
-        taken[n] = 2 * across @ (felt + beyond) + blunt
+        taken[n] = 2 * across @ (reduced + beyond) + blunt
     return CubicSpline(widths, taken)
 
 

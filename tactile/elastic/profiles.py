@@ -65,7 +65,7 @@ def _hertz_waves(turn: Floats) -> Floats:
 
 
 def _uniform_waves(turn: Floats) -> Floats:
-    from scipy.special import j1  # only where a layer's table asks for it
+    from scipy.special import j1  # slow to import
 
     t = np.maximum(turn, 1e-6)
     return np.where(turn > 1e-6, 2 * j1(t) / t, 1.0)

@@ -84,23 +84,23 @@ class RoughContact:
         pressure = np.zeros_like(wanted) if start is None else np.where(wanted > 0, start, 0.0)
         if indentation <= 0:
             return np.zeros_like(wanted)
-        way, last, touching = np.zeros_like(wanted), 1.0, pressure > 0
+        direction, last, touching = np.zeros_like(wanted), 1.0, pressure > 0
         left, summed = wanted - self.sunk(pressure), True  # above 0 where the body overlaps the surface
         for _ in range(STEPS):
             now = (pressure > 0) | (left > 0)
-            rest = np.where(now, left, 0.0)
-            if np.abs(rest).max() <= TOLERANCE * indentation:
+            residual = np.where(now, left, 0.0)
+            if np.abs(residual).max() <= TOLERANCE * indentation:
                 if summed:
                     return pressure
                 left, summed = wanted - self.sunk(pressure), True
                 continue
-            size = float((rest * rest).sum())
+            size = float((residual * residual).sum())
             fresh = bool((now != touching).any())
-            way = rest if fresh else rest + size / last * way
+            direction = residual if fresh else residual + size / last * direction
             last, touching = size, now
-            under = self.sunk(way)
-            step = float((rest * way).sum()) / float((way * under)[now].sum())
-            pressure = pressure + step * way
+            under = self.sunk(direction)
+            step = float((residual * direction).sum()) / float((direction * under)[now].sum())
+            pressure = pressure + step * direction
             summed = bool((pressure < 0).any())
             if summed:
                 pressure = np.maximum(pressure, 0.0)

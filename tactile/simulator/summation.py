@@ -18,7 +18,7 @@ ACCURACY = 1e-4
 TABLES = 1e-5
 """Finest accuracy at which the half-space is read from tables: finer ones take longer to make than most scenes."""
 FINEST = 1e-7
-"""Finest accuracy of what a layer adds."""
+"""Finest accuracy of a layer's share."""
 WIDEST = 6.0
 """Largest radius in depths of circles whose half-space field is read from a table."""
 FEWEST = 576

@@ -27,7 +27,7 @@ def add_layer_term(out: Floats, positions: Floats, depth: float, loads: Floats, 
 
 @kept_njit(error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"})
 def _add(x_of, y_of, loads, table, reach, unit, over_depth, scale, trace, out):  # type: ignore[no-untyped-def]  # numba types it at the call
-    intervals, felt = table.shape[0], np.empty(5)
+    intervals, shares = table.shape[0], np.empty(5)
     for n in range(loads.shape[0]):
         for m in range(loads.shape[1]):
             x0, y0, q, r, f = loads[n, m, X], loads[n, m, Y], loads[n, m, Q], loads[n, m, R], loads[n, m, F]
@@ -48,8 +48,10 @@ def _add(x_of, y_of, loads, table, reach, unit, over_depth, scale, trace, out): 
                 k = min(int(at), intervals - 1)
                 t = (at - k) / intervals
                 for c in range(5):
-                    felt[c] = unit * (((table[k, 0, c] * t + table[k, 1, c]) * t + table[k, 2, c]) * t + table[k, 3, c])
-                normal, normal_shear, shear_normal, even, odd = felt[0], felt[1], felt[2], felt[3], felt[4]
+                    shares[c] = unit * (
+                        ((table[k, 0, c] * t + table[k, 1, c]) * t + table[k, 2, c]) * t + table[k, 3, c]
+                    )
+                normal, normal_shear, shear_normal, even, odd = shares[0], shares[1], shares[2], shares[3], shares[4]
                 c_, s = 1.0, 0.0
                 if rho > 0:
                     c_, s = x / rho, y / rho

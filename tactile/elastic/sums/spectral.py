@@ -64,13 +64,13 @@ class TractionTransform:
         if not np.isfinite(given).all():
             raise InputError("a traction map that is not finite, numbers [Pa] wanted")
         waves = fft.rfft2(np.moveaxis(given, -1, 0), s=self.size, workers=-1)
-        felt = np.empty((3, *waves.shape[1:]), complex)
-        for row, transfer in zip(felt, self._transfer, strict=True):
+        readings = np.empty((3, *waves.shape[1:]), complex)
+        for row, transfer in zip(readings, self._transfer, strict=True):
             np.multiply(transfer[0], waves[0], out=row)
             row += transfer[1] * waves[1]
             row += transfer[2] * waves[2]
         rows, cols = self.taxel_shape
-        back = fft.irfft2(felt, s=self.size, workers=-1, overwrite_x=True)[:, :rows, :cols]
+        back = fft.irfft2(readings, s=self.size, workers=-1, overwrite_x=True)[:, :rows, :cols]
         return np.ascontiguousarray(np.moveaxis(back, 0, -1))
 
 

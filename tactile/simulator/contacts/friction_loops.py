@@ -57,15 +57,15 @@ def step(mu, ends, shares, count, normal, pull_x, pull_y):  # type: ignore[no-un
     if n < count:
         ends[n], count = normal, n + 1
     wanted_x, wanted_y, inner = pull_x / mu, pull_y / mu, 0.0
-    rest_x, rest_y = wanted_x, wanted_y
+    residual_x, residual_y = wanted_x, wanted_y
     for k in range(count):
-        rest_x -= (ends[k] - inner) * shares[k, 0]
-        rest_y -= (ends[k] - inner) * shares[k, 1]
+        residual_x -= (ends[k] - inner) * shares[k, 0]
+        residual_y -= (ends[k] - inner) * shares[k, 1]
         inner = ends[k]
     grown = normal - inner
-    if math.hypot(rest_x, rest_y) <= grown:
+    if math.hypot(residual_x, residual_y) <= grown:
         if grown > 0:
-            ends[count], shares[count, 0], shares[count, 1] = normal, rest_x / grown, rest_y / grown
+            ends[count], shares[count, 0], shares[count, 1] = normal, residual_x / grown, residual_y / grown
             count += 1
         return _merged(ends, shares, count), normal, False
     # |wanted - carried by the circle c| = normal - c; the ring from c out takes the full share. The difference
@@ -74,22 +74,22 @@ def step(mu, ends, shares, count, normal, pull_x, pull_y):  # type: ignore[no-un
         k = count - 1 - back
         low = ends[k - 1] if k > 0 else 0.0
         share_x, share_y, most = shares[k, 0], shares[k, 1], ends[k] - low
-        rest_x += most * share_x
-        rest_y += most * share_y
+        residual_x += most * share_x
+        residual_y += most * share_y
         left = normal - low
-        if math.hypot(rest_x, rest_y) <= left:
+        if math.hypot(residual_x, residual_y) <= left:
             # squared: (1 - |share|^2) s^2 - 2 (left - rest . share) s + left^2 - |rest|^2 = 0, s in 0 .. most
             a = 1 - (share_x * share_x + share_y * share_y)
-            b = left - (rest_x * share_x + rest_y * share_y)
-            c = left * left - (rest_x * rest_x + rest_y * rest_y)
+            b = left - (residual_x * share_x + residual_y * share_y)
+            c = left * left - (residual_x * residual_x + residual_y * residual_y)
             s = 0.0 if b <= 0 else min(max(c / (b + math.sqrt(max(b * b - a * c, 0.0))), 0.0), most)
-            rest_x -= s * share_x
-            rest_y -= s * share_y
-            way = max(math.hypot(rest_x, rest_y), 1e-300)
+            residual_x -= s * share_x
+            residual_y -= s * share_y
+            length = max(math.hypot(residual_x, residual_y), 1e-300)
             if s > 0:
                 ends[k] = low + s
                 k += 1
-            ends[k], shares[k, 0], shares[k, 1] = normal, rest_x / way, rest_y / way
+            ends[k], shares[k, 0], shares[k, 1] = normal, residual_x / length, residual_y / length
             return _merged(ends, shares, k + 1), low + s, False
     ends[0], shares[0, 0], shares[0, 1] = normal, pull_x / size, pull_y / size
     return 1, 0.0, True

@@ -9,7 +9,7 @@ from tactile.core.loads import COLUMNS, FORCE, PLACE
 from tactile.simulator.contacts.equivalent_points import equivalent_points
 
 ALL_CELLS = 1e-5
-"""Finest accuracy for which fewer loads than cells are looked for."""
+"""Finest accuracy of equivalent points; at finer ones all cells are summed."""
 COARSE = 1e-3
 """Accuracy of the loads where no field is computed of them."""
 

@@ -35,13 +35,13 @@ class Material:
         if not (0 <= self.kinetic <= self.static and 0 <= self.sharpness <= 1):
             raise InputError(f"material {self.name!r}: 0 <= kinetic <= static friction and 0 <= sharpness <= 1 wanted")
 
-    def profile(self, way: Floats, random: np.random.Generator) -> Floats:
+    def profile(self, path: Floats, random: np.random.Generator) -> Floats:
         """Return the profile along the path [m] relative to the mean normal force, of mean 0 and the stated deviation.
 
         The regular part is a wave that sharpness turns into teeth; the irregular one is a sum of 48 waves, their
         lengths spread evenly in the logarithm.
         """
-        phase = 2 * np.pi * (way / self.period + random.uniform())
+        phase = 2 * np.pi * (path / self.period + random.uniform())
         teeth = 2 * np.arctan2(self.sharpness * np.sin(phase), 1 - self.sharpness * np.cos(phase))
         # mean square of the series 2 sum s^n sin(n phase) / n
         n = np.arange(1, 400)
@@ -49,9 +49,9 @@ class Material:
         regular = teeth / np.sqrt(power) if self.sharpness > 0 else np.sqrt(2) * np.sin(phase)
         lengths = self.grain * 30 ** random.uniform(0, 1, 48)
         turns = random.uniform(0, 2 * np.pi, 48)
-        irregular = np.zeros_like(way)
+        irregular = np.zeros_like(path)
         for length, turn in zip(lengths, turns, strict=True):
-            irregular += np.sin(2 * np.pi * way / length + turn)
+            irregular += np.sin(2 * np.pi * path / length + turn)
         height: Floats = self.regular * regular + self.irregular * irregular / np.sqrt(24)
         return height
 

@@ -64,11 +64,11 @@ class SlidingTexture:
     @cached_property
     def _series(self) -> tuple[Floats, Floats, Floats]:
         """(path, shear, normal force) along the whole path."""
-        way = np.linspace(0, self.speed * (self.stop - self.start), self._steps)
-        profile = self.material.profile(way, np.random.default_rng(self.seed))
+        path = np.linspace(0, self.speed * (self.stop - self.start), self._steps)
+        profile = self.material.profile(path, np.random.default_rng(self.seed))
         normal = self.force * np.maximum(1 + profile, 0)
-        shear, pull = np.empty_like(way), 0.0
-        grown = self.stiffness * (way[1] - way[0])
+        shear, pull = np.empty_like(path), 0.0
+        grown = self.stiffness * (path[1] - path[0])
         for k, (most, least) in enumerate(
             zip((self.material.static * normal).tolist(), (self.material.kinetic * normal).tolist(), strict=True)
         ):
@@ -76,17 +76,17 @@ class SlidingTexture:
             if pull > most:
                 pull = least
             shear[k] = pull
-        return way, shear, normal
+        return path, shear, normal
 
     def series(self, times: Floats) -> tuple[Floats, Floats]:
         """Return (shear along the motion, normal force) [N] at the times [s]; 0 before the start and after the stop.
 
         Both are those of the last step, not interpolated: a slip is a jump.
         """
-        way, shear, normal = self._series
+        path, shear, normal = self._series
         at = self.speed * (np.clip(times, self.start, self.stop) - self.start)
         here = (times >= self.start) & (times <= self.stop)
-        step = np.clip(np.searchsorted(way, at, side="right") - 1, 0, len(way) - 1)
+        step = np.clip(np.searchsorted(path, at, side="right") - 1, 0, len(path) - 1)
         return np.where(here, shear[step], 0.0), np.where(here, normal[step], 0.0)
 
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
