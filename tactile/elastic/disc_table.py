@@ -164,8 +164,8 @@ class _Functions:
         out[..., odd[:3]] *= (np.hypot(1, apart) / apart)[:, None]
         out[..., ODD] *= 1 + apart**-2
         if rho[0] < 1e-6:  # the limits, to the fourth order from two values near it
-            near = self._even(np.sinh(np.array([3e-3, 6e-3])), radius)
-            out[:, 0, odd] = (4 * near[:, 0, odd] - near[:, 1, odd]) / 3
+            close = self._even(np.sinh(np.array([3e-3, 6e-3])), radius)
+            out[:, 0, odd] = (4 * close[:, 0, odd] - close[:, 1, odd]) / 3
         return out
 
 
