@@ -1,1 +1,1 @@
-"""Short things to try, each silent on import."""
+"""Short examples; importing one computes nothing."""

@@ -1,4 +1,4 @@
-"""A grip in words: a scene of two fingers through the pipeline, and what happened to one of them."""
+"""A grip in words: a scene of two fingers is run through the pipeline, and the events of one finger are printed."""
 
 from pathlib import Path
 

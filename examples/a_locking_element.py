@@ -1,7 +1,7 @@
-"""Why the bump's elements have pressures: rubber that cannot be squeezed locks elements of displacement alone.
+"""Locking of finite elements: nearly incompressible rubber makes elements without pressures too stiff.
 
-Stiffness of the bump under the plate against the finest mixed answer, for linear and quadratic displacements and for
-quadratic displacements with linear pressures (Taylor and Hood), at three Poisson's ratios.
+Stiffness of the bump under the plate relative to the finest mixed solution, for linear and quadratic displacements and
+for quadratic displacements with linear pressures (Taylor and Hood), at three Poisson's ratios.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""A scene in python: a ball is pressed on a noisy skin, and located to 50 micrometres without a file."""
+"""A scene in Python: a ball is pressed on a noisy skin, and located to 50 micrometres."""
 
 import numpy as np
 

@@ -8,7 +8,7 @@ from cnnsim import Template, fixed, trajectory
 
 
 def main() -> None:
-    """Watch the front and compare how fast it goes with how fast theory says at least."""
+    """Measure the speed of the front, and compare it with the lower bound from theory."""
     wave = Template([[0, 0, 0], [1, 3, 1], [0, 0, 0]], z=3)  # a white cell turns black beside a black one
     start = -np.ones((1, 61))
     start[0, 0] = 1

@@ -1,4 +1,4 @@
-"""Smoothing that keeps edges: a non-linear template; differences that are large are not evened out."""
+"""Smoothing that keeps edges: a non-linear template that reduces small differences and keeps large ones."""
 
 import numpy as np
 

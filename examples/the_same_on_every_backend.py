@@ -6,7 +6,7 @@ from cnnsim import devices, run
 
 
 def main() -> None:
-    """Halftone a grey ramp everywhere and compare; it is tilted, for a symmetric one leaves ties to the rounding."""
+    """Halftone a grey ramp on each backend and compare; a symmetric ramp would have ties that rounding decides."""
     ramp = np.add.outer(np.linspace(-0.1, 0.1, 32), np.linspace(-0.9, 0.9, 48))
     backends = ["reference", "cpu", *(["opencl"] if devices() else [])]
     outputs = {name: run("halftone-3x3", ramp, backend=name).y for name in backends}

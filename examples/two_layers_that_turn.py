@@ -1,4 +1,4 @@
-"""Two layers that turn: cells of two layers drive each other and oscillate as a rotation says."""
+"""Two layers that turn: cells of two layers drive each other, so that their states rotate."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from cnnsim import LayeredTemplate, Template, Term, run_transient
 
 
 def main() -> None:
-    """Follow x1' = -w x2, x2' = w x1 for one full turn in the linear piece of the cells."""
+    """Integrate x1' = -w x2, x2' = w x1 for one full turn in the linear range of the cells."""
     w = 2.0
     first = Template([[1]], terms=[Term([[-w]], "y_kl", layer=1)])
     second = Template([[1]], terms=[Term([[w]], "y_kl", layer=0)])

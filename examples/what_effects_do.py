@@ -1,4 +1,4 @@
-"""What effects do: one scene with the imperfections of a real skin and without."""
+"""What effects do: one scene with and without the imperfections of a real skin."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,7 +7,7 @@ from tactile import Scene, Settings, open_source, run
 
 
 def error(scene: Scene) -> float:
-    """Return by how much [N] the needle's 20 mN are mistaken at most."""
+    """Return the largest error [N] of the located force, which is 20 mN."""
     errors: list[float] = []
     run(scene, Settings(), [lambda report: errors.append(abs(report.load.F - 0.02) if report.load else 0.0)])
     return max(errors)

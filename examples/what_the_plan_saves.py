@@ -1,4 +1,4 @@
-"""What the plan saves: how a template would be computed and why, and the same answer without any saving."""
+"""What the plan saves: how a template is computed and why, and the same result without any saving."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from cnnsim import explain, library, run
 
 
 def main() -> None:
-    """Fill holes with and without what the plan leaves out."""
+    """Fill holes with and without the savings of the plan."""
     picture = np.where(np.random.default_rng(1).random((64, 64)) < 0.45, 1.0, -1.0)
     found = explain(library.load("hole-filler"), picture)
     print(found)

@@ -1,4 +1,4 @@
-"""Where and how hard: a load is located from strains, and compared with the one that the scene put there."""
+"""Where and how hard: a load is located from strains, and compared with the load of the scene."""
 
 from pathlib import Path
 
