@@ -1,4 +1,4 @@
-"""Crosstalk: a taxel's channels mix with each other and with those of its neighbours."""
+"""Crosstalk between the channels of a taxel and with those of its neighbours."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -14,7 +14,7 @@ class Crosstalk:
     """Components gain ``cross_axis`` times the taxel's two others, then ``neighbour`` times the four neighbours'.
 
     Linear and without memory: y_c = x_c + cross_axis (x_a + x_b), then y += neighbour * sum of y over the neighbours
-    to the north, south, west and east; outside the array there is nothing.
+    to the north, south, west and east; outside the array y is 0.
 
     Source: cross-axis matrix and mechanical coupling as in Vasarhelyi, Fodor, Roska, sects 2 and 5.
     """

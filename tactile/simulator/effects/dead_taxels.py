@@ -1,4 +1,4 @@
-"""Dead and stuck taxels: they read nothing, or always the same."""
+"""Dead and stuck taxels: they read 0, or a constant."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -13,8 +13,8 @@ from tactile.simulator.effect import effect, parameter, within
 class DeadTaxels:
     """Each taxel is dead with probability ``dead`` (reads 0) or stuck with probability ``stuck``.
 
-    A stuck taxel's channels read one level each for the whole scene, uniform in -1 .. 1 of full scale. Which taxels
-    are concerned is drawn once a finger, independently. Their readings stay marked valid: nobody told the driver.
+    Each channel of a stuck taxel reads one value for the whole scene, uniform in -1 .. 1 of full scale. The taxels are
+    drawn independently, once per finger. Their readings stay marked valid.
     """
 
     dead: float = parameter(0.01, 0.0, 1.0, none=0.0)
@@ -24,7 +24,7 @@ class DeadTaxels:
         within("stuck", self.stuck, 0.0, 1.0 - self.dead)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames with silent taxels."""
+        """Frames with dead and stuck taxels."""
         lot, level = np.zeros(0), np.zeros(0)
         for batch in stream:
             if not lot.size:

@@ -1,4 +1,4 @@
-"""Drift: the zero of every channel wanders."""
+"""Drift of the zero of every channel."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -13,8 +13,8 @@ from tactile.simulator.effect import effect, parameter
 class Drift:
     """Adds full scale * (``rate`` * s_c * t + ``walk`` * W_c(t)) to channel c, t from the first frame.
 
-    Statistics: s_c is standard normal, drawn once a channel; W_c a Wiener process, so the offset is normal of mean
-    0 and variance full scale^2 (rate^2 t^2 + walk^2 t), independent between channels, whatever the sample
+    Statistics: s_c is standard normal, drawn once per channel; W_c is a Wiener process. The offset is normal with mean
+    0 and variance full scale^2 (rate^2 t^2 + walk^2 t), independent between channels, for any sample
     interval. ``rate`` [1/s], ``walk`` [1/sqrt(s)].
     """
 
@@ -22,7 +22,7 @@ class Drift:
     walk: float = parameter(2e-4, key="walk_per_sqrt_s", none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames with wandering zeros."""
+        """Frames with drift."""
         slope, walked, start, last = np.zeros(0), np.zeros(0), 0.0, 0.0
         for batch in stream:
             shape = batch.values.shape[1:]

@@ -1,4 +1,4 @@
-"""Finite tip: the hemisphere at the needle's end spreads the load over a circle."""
+"""Finite tip: the hemisphere at the end of a needle spreads its load over a circle."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -13,8 +13,8 @@ from tactile.simulator.field import Field
 class FiniteTip:
     """Point loads are pressed by a rigid hemisphere of ``radius`` [m]; 0 leaves them points.
 
-    Every contact that acts at one point is spread like the pressure under the tip, on the cover as it is. Contacts with
-    a shape of their own stay as they are.
+    Every contact at a point is spread like the pressure under the tip, on the half-space or layer. Contacts with a
+    shape do not change.
 
     Source: Sneddon (1965); Vasarhelyi, Fodor, Roska, sects 4 and 4.1 (a needle of 100 um).
     """

@@ -1,4 +1,4 @@
-"""Frame timing: frames come early or late, twice, or not at all."""
+"""Frame timing: frames are early, late, repeated or lost."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -14,8 +14,8 @@ class FrameTiming:
     """Host times are off by a normal ``jitter`` [s]; frames repeat the one before, or get lost, at random.
 
     ``repeats`` and ``drops`` are probabilities. A repeated frame has the values and the sequence number of the last
-    fresh one; a lost one leaves a gap in both times and numbers. Each frame's fate is independent. Times never run
-    backwards: a frame that would overtake the one before gets its time. The first frame is neither repeated nor lost.
+    fresh one; a lost one leaves a gap in both times and numbers. Frames are drawn independently. Times never decrease:
+    a frame that would be earlier than the one before gets its time. The first frame is neither repeated nor lost.
     """
 
     jitter: float = parameter(1e-4, key="jitter_ms", unit=1e-3, none=0.0)
@@ -23,7 +23,7 @@ class FrameTiming:
     drops: float = parameter(0.001, 0.0, 1.0, none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames as they arrive."""
+        """Frames as they are received."""
         fates, delays = random.spawn(2)
         last_t, fresh_values, fresh_sequence = 0.0, np.zeros(0), 0
         for batch in stream:

@@ -1,4 +1,4 @@
-"""Hysteresis: readings depend on whether the load grows or falls."""
+"""Hysteresis: readings depend on whether the load increases or decreases."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -17,8 +17,8 @@ class Hysteresis:
     """y = x + weight (mean of p_k - x), p_k a play of half-width k ``width`` / 4 of full scale, k = 1 .. 4.
 
     A play follows its input with a dead zone, p <- max(x - r, min(x + r, p)): independent of the rate, with closed
-    loops and a memory of turning points. No reading is off by more than weight * width * full scale; a large slow cycle
-    opens to weight * 5/8 * 2 width of it. All starts at rest.
+    loops and a memory of turning points. No reading changes by more than weight * 5/8 * width * full scale, half the
+    opening of a large cycle. All plays start at 0.
 
     Source: Prandtl and Ishlinskii; Krasnoselskii and Pokrovskii, Systems with Hysteresis (1989).
     """
@@ -27,7 +27,7 @@ class Hysteresis:
     width: float = parameter(0.05)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames that lag."""
+        """Frames with hysteresis."""
         plays = np.zeros((0, 0))
         for batch in stream:
             flat = batch.flat

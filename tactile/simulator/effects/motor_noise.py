@@ -1,4 +1,4 @@
-"""Motor noise: the stepper motor's magnetic field, bursts of a high-frequency tone in all channels."""
+"""Motor noise: bursts of a tone in all channels, from the magnetic field of a stepper motor."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -14,8 +14,8 @@ class MotorNoise:
     """A tone of ``frequency`` [Hz] and ``amplitude`` (of full scale) that comes and goes in bursts.
 
     Bursts last ``burst`` [s] on average and fill a share ``duty`` of the time; both they and the pauses are
-    exponentially distributed, and the scene starts anywhere among them. Every channel of the finger sees the same
-    tone, sampled at the frames' times (it folds down). Mean 0, mean square amplitude^2 duty / 2.
+    exponentially distributed, from a stationary start. Every channel of the finger has the same tone, sampled at the
+    frames' times (aliased). Mean 0, mean square amplitude^2 duty / 2.
 
     Source: Vasarhelyi, Fodor, Roska, sect. 4.1; 0.5 mm/s at 320 steps a millimetre are 160 steps a second.
     """

@@ -1,4 +1,4 @@
-"""Poisson's ratio below 1/2: rubber is nearly, not quite, incompressible."""
+"""Poisson's ratio of the cover below 1/2: rubber is slightly compressible."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

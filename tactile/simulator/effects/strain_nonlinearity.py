@@ -15,8 +15,8 @@ class StrainNonlinearity:
     """Normal readings follow neo-Hookean rubber in uniaxial load, by ``strength`` from 0 (linear) to 1.
 
     A linear strain e is a stress E e; the rubber's stretch l under it solves l - 1 / l^2 = 3 e, and the reading
-    becomes e + strength (l - 1 - e), near zero e + strength e^2. Shear stays: neo-Hookean rubber is linear in it.
-    An estimate of the size at high strain, not a solution of the finite-strain contact. Readings of stress do the same
+    becomes e + strength (l - 1 - e), near zero e + strength e^2. Shear does not change: neo-Hookean rubber is linear
+    in it. An estimate of the size at high strain, not a solution of the finite-strain contact. Stress is treated alike
     in units of E.
 
     Source: Treloar, The Physics of Rubber Elasticity; Vasarhelyi, Fodor, Roska, sect. 4.1.
@@ -25,7 +25,7 @@ class StrainNonlinearity:
     strength: float = parameter(1.0, 0.0, 1.0, none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames of rubber."""
+        """Frames with nonlinear strain."""
         for batch in stream:
             linear = batch.values[..., 2] / batch.unit
             values = batch.values.copy()

@@ -17,13 +17,13 @@ class Viscoelastic:
 
     h_i(t) is the integral of exp(-(t - s) / tau_i) dx(s).
 
-    A step of the elastic reading x gives y = 1 - sum of g_i (1 - exp(-t / tau_i)): a held indentation, whose force
-    relaxes. ``creep`` turns the sign: a held force, whose strain grows. Between frames x changes linearly, and for
-    that the recursion is exact whatever the interval,
+    A step of the elastic reading x gives y = 1 - sum of g_i (1 - exp(-t / tau_i)): the force relaxes under a constant
+    indentation. ``creep`` turns the sign: strain grows under a constant force. For x linear between frames the
+    recursion is exact for any interval,
 
         h_i <- exp(-dt / tau_i) h_i + (1 - exp(-dt / tau_i)) tau_i / dt * dx.
 
-    Arguments: ``parts`` ((g_i, tau_i), ...), tau in [s]. Before the first frame there was nothing.
+    Arguments: ``parts`` ((g_i, tau_i), ...), tau in [s]. Before the first frame x is 0.
 
     Raises:
         InputError: a g below 0, their sum above 1 in relaxation, a tau that is not positive.
@@ -39,7 +39,7 @@ class Viscoelastic:
             pairs = tuple((float(g), float(tau)) for g, tau in self.parts)
         except (TypeError, ValueError) as error:
             raise InputError(f"parts = {self.parts!r}, a list of [share, time] pairs wanted") from error
-        object.__setattr__(self, "parts", pairs)  # a list from a file becomes a value
+        object.__setattr__(self, "parts", pairs)  # a file gives lists
         total = sum(g for g, _ in pairs)
         if not all(g >= 0 and 0 < tau < np.inf for g, tau in pairs) or not (
             total <= 1 or (self.creep and total < np.inf)
@@ -47,7 +47,7 @@ class Viscoelastic:
             raise InputError(f"parts = {pairs}, shares from 0 up with a sum of at most 1 and positive times wanted")
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames with memory."""
+        """Frames with relaxation or creep."""
         shares, times = np.array(self.parts).T
         shares = -shares if self.creep else shares
         before, inner, last = np.zeros(0), np.zeros((0, 0)), 0.0
@@ -67,7 +67,7 @@ class Viscoelastic:
 
 @kept_njit()
 def recur(x, before, inner, keep, take, shares, out):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Put x - sum of shares (x - h) into ``out`` (n, channels), h from ``inner`` on as the recursion has it."""
+    """Put x - sum of shares (x - h) into ``out`` (n, channels), with the recursion for h in ``inner``."""
     for n in range(x.shape[0]):
         for c in range(x.shape[1]):
             out[n, c] = x[n, c]

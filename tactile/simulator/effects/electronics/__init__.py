@@ -1,1 +1,1 @@
-"""Effects of what stands between a taxel and its number: mismatch, temperature, noise, amplifier, multiplexer."""
+"""Effects of the electronics: mismatch, temperature, noise, amplifier, multiplexer."""

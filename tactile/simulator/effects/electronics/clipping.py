@@ -1,4 +1,4 @@
-"""Clipping: the amplifier's output ends at its rails."""
+"""Clipping: the output of the amplifier is limited by its rails."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -11,15 +11,15 @@ from tactile.simulator.effect import effect, parameter
 
 @effect("frames")
 class Clipping:
-    """Readings beyond +- ``limit`` of full scale are ``limit``; infinite for an amplifier without end.
+    """Readings are limited to +- ``limit`` of full scale; infinite for none.
 
-    Before the converter, whose own range ends elsewhere; a clipped reading stays marked valid.
+    Acts before the converter, which has a range of its own. A clipped reading stays marked valid.
     """
 
     limit: float = parameter(1.0, 1e-12, none=np.inf)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames between the rails."""
+        """Limited frames."""
         for batch in stream:
             most = self.limit * batch.full_scale
             yield replace(batch, values=np.clip(batch.values, -most, most))

@@ -16,21 +16,21 @@ ALL = np.ones(1)
 class LowPass:
     """A filter of first order with the time constant ``time`` [s] in every channel; 0 for none.
 
-    tau dy/dt = x - y, x straight between frames, for which the recursion is exact whatever the interval; before the
-    first frame x was as in it. What lies above half the frame rate is not there to be filtered: frames are samples.
+    tau dy/dt = x - y with x linear between frames, for which the recursion is exact for any interval; before the first
+    frame x is constant. Signals above half the frame rate are not simulated.
     """
 
     time: float = parameter(1e-3, key="time_ms", unit=1e-3, none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Smoothed frames."""
+        """Filtered frames."""
         before, lag, last = np.zeros(0), np.zeros((0, 0)), 0.0
         for batch in stream:
             flat = batch.flat
             if not before.size and len(flat):
                 before, lag, last = flat[0].copy(), np.zeros((1, flat.shape[1])), float(batch.t[0])
             steps = np.maximum(np.diff(batch.t, prepend=last), 0)[:, None] / self.time
-            # the lag x - y decays, and grows with the slope of x: what relaxes of it, whole, is left
+            # the lag x - y relaxes and is driven by the slope of x
             grown = np.where(steps > 0, -np.expm1(-steps) / np.where(steps > 0, steps, 1), 1.0)
             late = np.empty_like(flat)
             recur(flat, before, lag, np.exp(-steps), grown, ALL, late)

@@ -1,4 +1,4 @@
-"""Multiplex skew: one converter reads the channels one after the other, not at once."""
+"""Multiplex skew: one converter reads the channels one after the other."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -11,10 +11,10 @@ from tactile.simulator.effect import effect, parameter
 
 @effect("frames")
 class MultiplexSkew:
-    """Channel k of n is read (n - 1 - k) ``slot`` [s] before the frame's time, at which the last one is; 0 for at once.
+    """Channel k of n is read (n - 1 - k) ``slot`` [s] before the time of the frame; 0 for all at that time.
 
-    Channels go row by row, in a taxel shear_x, shear_y, normal. Between frames readings are taken to be straight; what
-    would be read before the frame before is read with that frame.
+    Channels are ordered by row, column and component. Readings are linear between frames; a channel that would be read
+    before the previous frame is read with it.
     """
 
     slot: float = parameter(1e-5, key="slot_us", unit=1e-6, none=0.0)

@@ -1,4 +1,4 @@
-"""Pink noise: the 1/f noise of amplifiers, as much in every octave."""
+"""Pink noise: 1/f noise of amplifiers."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

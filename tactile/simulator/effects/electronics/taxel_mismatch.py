@@ -1,4 +1,4 @@
-"""Taxel mismatch: no two taxels have the same gain, zero and ratio of shear to normal."""
+"""Taxel mismatch: random gain, zero and ratio of shear to normal of each taxel."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -14,8 +14,8 @@ from tactile.simulator.effect import effect, parameter
 class TaxelMismatch:
     """A taxel reads (1 + g) x + o in its normal component and (1 + g) (1 + b) x + o in its shears.
 
-    Statistics: g and b, the mismatch of its gain and of its beta_ns, are drawn once a taxel, o once a channel; normal,
-    of mean 0 and deviations ``gain``, ``beta_ns`` and ``offset`` (of full scale), independent of each other.
+    Statistics: g and b, the mismatch of its gain and of its beta_ns, are drawn once per taxel, o once per channel;
+    normal, independent, of mean 0 and standard deviations ``gain``, ``beta_ns`` and ``offset`` (of full scale).
 
     Source: Vasarhelyi, Fodor, Roska, eqs (15), (16), and sect. 4 for the spread of beta_ns (1.46 +- 0.04).
     """
@@ -25,7 +25,7 @@ class TaxelMismatch:
     beta_ns: float = parameter(0.02, none=0.0)
 
     def __call__(self, stream: Iterable[Batch], random: np.random.Generator) -> Iterator[Batch]:
-        """Frames as each taxel reads them."""
+        """Frames with mismatch."""
         gain, offset = np.zeros(0), np.zeros(0)
         for batch in stream:
             if not gain.size:

@@ -1,4 +1,4 @@
-"""Temperature: gain and zero of all channels change as the sensor warms up."""
+"""Temperature: change of gain and zero of all channels while the sensor warms up."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -14,7 +14,7 @@ class Temperature:
     """Readings become (1 + ``gain`` T) x + ``offset`` T, T = ``start`` + ``change`` (1 - exp(-t / ``time``)) [K].
 
     T counts from the temperature at which the skin was calibrated, t from the first frame; ``gain`` [1/K], ``offset``
-    [of full scale / K], alike in all channels.
+    [of full scale / K], equal in all channels.
     """
 
     start: float = parameter(0.0, -np.inf, key="start_k", none=0.0)

@@ -1,1 +1,1 @@
-"""Effects of how an array is mounted: where it lies, how thick its cover came out, how its surface is shaped."""
+"""Effects of the mounting: position of the array, thickness and shape of its cover."""

@@ -15,8 +15,8 @@ class CurvedFingertip:
 
     To first order in 1 / radius: at a distance r from the crown the cover is thinner by r^2 / (2 radius), and a sphere,
     needle or cylinder of radius R touches it like one of 1 / (1 / R + 1 / radius) a plane; a height map, like one that
-    is higher by r^2 / (2 radius), r from its middle. Flat ends stay on all of their area, edges and cylinders on all of
-    their length. The surface's slope, r / radius, is left out: loads stay upright.
+    is higher by r^2 / (2 radius), r from its middle. Flat ends touch with all of their area, edges and cylinders with
+    all of their length. The slope of the surface, r / radius, is neglected: loads stay upright.
 
     Source: Johnson, Contact Mechanics, eq. (4.17), for the radius.
     """

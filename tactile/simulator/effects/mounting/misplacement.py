@@ -1,4 +1,4 @@
-"""Misplacement: the array lies a little aside, turned or tilted in its cover."""
+"""Misplacement: the array is displaced, turned or tilted in its cover."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -13,8 +13,8 @@ from tactile.simulator.field import Field
 class Misplacement:
     """The array is displaced by (``shift_x``, ``shift_y``) [m], turned by ``turn`` [rad] and tilted.
 
-    It turns about its centre from x to y, places and axes of the taxels alike; nobody told the driver, which takes them
-    for where they should be. Tilts, the slopes of the array's plane along x and y, make the cover over a taxel thicker
+    It turns about its centre from x to y, places and axes of the taxels alike; the nominal places of the array do not
+    change. Tilts, the slopes of the array's plane along x and y, make the cover over a taxel thicker
     by ``tilt_x`` (x - x_c) + ``tilt_y`` (y - y_c), the chip being the base on which a finite cover lies. First order in
     the tilts: the axes stay upright.
     """
