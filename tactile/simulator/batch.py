@@ -1,4 +1,4 @@
-"""Batches of frames of one finger, which the effects on frames take and give."""
+"""Batches of frames of one finger, the input and output of effects on frames."""
 
 import math
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from tactile.core.frame import TaxelArray
 class Batch:
     """Consecutive frames of one finger.
 
-    ``t`` (n,) host times [s]; ``sequence`` (n,); ``values`` (n, rows, cols, 3), whoever holds the batch may write
-    into it; ``valid`` (n, rows, cols); ``unit``: what a reading of strain 1 is, 1 for strain and E for stress [Pa];
-    ``full_scale``: the largest reading the electronics are made for, in the unit of the values.
+    ``t`` (n,) host times [s]; ``sequence`` numbers (n,); ``values`` (n, rows, cols, 3); ``valid`` (n, rows, cols);
+    ``unit``: the reading of strain 1, which is 1 for strain and E [Pa] for stress; ``full_scale``: the largest reading
+    the electronics are made for, in the unit of the values.
     """
 
     array: TaxelArray
@@ -26,5 +26,5 @@ class Batch:
 
     @property
     def flat(self) -> Floats:
-        """The values as (n, channels), of no frames too."""
+        """The values as (n, channels), also without frames."""
         return self.values.reshape(len(self.t), math.prod(self.values.shape[1:]))

@@ -1,4 +1,4 @@
-"""A cover of bumps, one over every taxel: loads rest on bumps, and a matrix says what the taxels feel."""
+"""Cover with a bump over every taxel: loads act on bumps, and a matrix gives the readings."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -18,15 +18,15 @@ from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads
 
 RADII = 257
-"""Radii of a table, denser near the bump."""
+"""Number of radii of a table, denser near the bump."""
 
 
 @dataclass(frozen=True)
 class Bumps:
     """Equal bumps over all taxels of a finger.
 
-    ``shape``: their dimensions, whose reach is chosen for the array; ``nu`` Poisson's ratio; ``indentation`` [m]: with
-    0 the body is linear, the plate stuck to ``shape.contact``; else strains are finite up to that indentation.
+    ``shape``: their dimensions, ``reach`` is chosen for the array; ``nu``: Poisson's ratio; ``indentation`` [m]: 0 for a
+    linear body with the plate bonded to ``shape.contact``, else finite strains up to this indentation.
 
     Raises:
         InputError: a Poisson's ratio outside 0 .. 1/2, a negative indentation or one as large as the radius.
@@ -49,7 +49,7 @@ class Bumps:
         return f"bumps {self.shape.radius * 2e3:g} mm wide on {self.shape.thickness * 1e3:g} mm, nu {self.nu:g}, {kind}"
 
     def response(self, array: TaxelArray, quantity: str) -> Response:
-        """The table for an array, at E = 1 Pa, computed once.
+        """The table for an array, at E = 1 Pa, computed once and kept in the user's cache.
 
         Raises:
             InputError: taxels below the body; as ``bump.response``.
@@ -77,10 +77,10 @@ class Bumps:
         return remembered(key, make)
 
     def over_flat(self, array: TaxelArray, quantity: str) -> float:
-        """What presses on the bump over a taxel, over the force that the inverse of the flat cover finds there.
+        """The force on the bump over a taxel, over the force that the inverse of the half-space gives.
 
-        The flat, endless cover's normal reading right under 1 N, over the bump's: the inverse is linear in it. At
-        finite strain, where it hardly depends on the force, that of the table's middle.
+        The normal reading of the half-space right under 1 N, over that of the bump: the inverse is linear in it. At
+        finite strain the value of the table's middle force, as it hardly depends on the force.
 
         Raises:
             InputError: as ``response``.
@@ -92,11 +92,10 @@ class Bumps:
         return float(flat / (table.normal[middle, 0, 0] / table.forces[middle]))
 
     def readings(self, array: TaxelArray, medium: Medium, loads: Loads) -> Floats:
-        """What the taxels feel (frames, rows, cols, 3) of all that presses.
+        """The readings (frames, rows, cols, 3) under all loads.
 
-        A load rests on the four bumps around it in the shares that keep its force and its moments (bilinear), beyond
-        the outermost bumps on the nearest ones. Only unloaded bumps' shape is left out of what one bump's load does
-        to taxels further away.
+        A load acts on the four bumps around it with bilinear shares, which keep its force and moments; beyond the
+        outermost bumps on the nearest ones. The shape of unloaded bumps is neglected.
 
         Raises:
             InputError: a twist; at finite strain, a bump that is pulled or pressed beyond its table.

@@ -1,4 +1,4 @@
-"""Where the taxels of a finger lie in the cover, how wide they are and how they are turned."""
+"""Taxels of a finger: places, width, orientation, cover thickness, and their readings of a field."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -11,24 +11,24 @@ from tactile.elastic.gauss import gauss
 from tactile.elastic.medium import Medium
 
 FINEST = 1e-7
-"""The finest accuracy that is kept of layers and of taxels' areas."""
+"""Finest accuracy of means over the area of a taxel."""
 MOST = 64
-"""Gauss points across a taxel; one that needs more is refused."""
+"""Largest number of Gauss points across a taxel."""
 AT_ONCE = 256
-"""So many points of few taxels are computed in one call."""
+"""Points that are computed in one call."""
 DEPTHS = 12
-"""Depths, at most, between which a field is interpolated."""
+"""Largest number of depths between which a field is interpolated."""
 
 Reading = Callable[[Floats, float, Medium], Floats]
-"""What points (..., 2) at a depth feel in a medium: (frames, ..., 3)."""
+"""From points (..., 2), a depth and a medium to readings (frames, ..., 3)."""
 
 
 @dataclass(frozen=True)
 class Taxels:
     """The taxels of one finger: ``places`` (rows, cols, 2) [m], ``depth`` [m].
 
-    ``width`` [m] of square taxels that feel the mean over their area, 0 for points; ``thicker`` (rows, cols) [m]: by
-    what the cover over each is thicker than it should be, None where it is not; ``turn`` [rad] of their axes, x to y.
+    ``width`` [m] of square taxels that read the mean over their area, 0 for points; ``thicker`` (rows, cols) [m]:
+    deviation of the cover's thickness over each, None for none; ``turn`` [rad] of their axes, x to y.
     """
 
     places: Floats
@@ -39,17 +39,17 @@ class Taxels:
 
     @classmethod
     def of(cls, array: TaxelArray) -> "Taxels":
-        """Points where the array says they are."""
+        """Points at the places of an array."""
         return cls(array.positions(), array.depth)
 
     def raised(self, thicker: Floats) -> "Taxels":
-        """The same under a cover that is thicker by so much (rows, cols) [m] still."""
+        """The taxels under a cover that is thicker by another (rows, cols) [m]."""
         return replace(self, thicker=thicker if self.thicker is None else self.thicker + thicker)
 
     def feel(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool = False) -> Floats:
-        """What they feel (frames, rows, cols, 3), to about so much of the peak.
+        """The readings (frames, rows, cols, 3) with an error of about ``accuracy`` of the peak.
 
-        ``at_once``: the reading takes any number of points together.
+        ``at_once``: the reading takes any number of points in one call.
         """
         way = self._mean if self.thicker is None else self._levels
         values = way(reading, medium, accuracy, at_once)
@@ -60,7 +60,7 @@ class Taxels:
         return values
 
     def _levels(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool) -> Floats:
-        """Between a few thicknesses by a polynomial: readings are smooth in the depth."""
+        """Readings interpolated by a polynomial between a few thicknesses."""
         assert self.thicker is not None
         low, high = float(self.thicker.min()), float(self.thicker.max())
         if self.depth + low <= 0:
@@ -106,9 +106,9 @@ class Taxels:
                 yield np.array([c * a - s * b, s * a + c * b]) * self.width / 2, along * across / 4
 
     def _count(self, accuracy: float) -> int:
-        # Gauss converges like 12 n exp(-2 n asinh(z / half width)): measured under points at their worst places, of the
-        # peak over an array; a taxel that is alone may lie right under a load along the surface, of which only its
-        # area feels anything
+        # Gauss converges like 12 n exp(-2 n asinh(z / half width)): measured under points at their worst places,
+        # relative to the peak over an array; a single taxel may lie right under a load along the surface, whose
+        # reading is zero at its centre
         wide = self.width / self.depth
         rate = 2 * np.arcsinh(2 / wide)
         worst = 30 / min(1.0, wide) ** 2 if self.places[..., 0].size == 1 else 12.0

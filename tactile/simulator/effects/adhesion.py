@@ -14,9 +14,9 @@ class Adhesion:
     """Spheres, needles and flat punches stick, with ``work`` [J/m^2] of adhesion.
 
     A sphere of radius R on the half-space is pulled off by 1.5 pi w R for any modulus; without a force the radius of
-    its contact is cbrt(4.5 pi w R^2 / E*). A contact is made by a push of 0 or more and holds until it snaps off. Without
-    this effect a body that is pulled lifts off. Points, discs, edges, cylinders and height maps do not stick; slip is
-    limited by friction times the force of the dry body with this radius.
+    its contact is cbrt(4.5 pi w R^2 / E*). A contact is made by a push of 0 or more and holds until it snaps off.
+    Without this effect a body that is pulled lifts off. Points, discs, edges, cylinders and height maps do not stick;
+    slip is limited by friction times the force of the dry body with this radius.
 
     Source: Johnson, Kendall, Roberts (1971); about 0.05 J/m^2 for silicone rubber on a clean smooth body.
     """
