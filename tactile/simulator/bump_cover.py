@@ -25,8 +25,8 @@ RADII = 257
 class Bumps:
     """Equal bumps over all taxels of a finger.
 
-    ``shape``: their dimensions, ``reach`` is chosen for the array; ``nu``: Poisson's ratio; ``indentation`` [m]: 0 for a
-    linear body with the plate bonded to ``shape.contact``, else finite strains up to this indentation.
+    ``shape``: their dimensions, of which ``reach`` is chosen for the array; ``nu``: Poisson's ratio; ``indentation``
+    [m]: 0 for a linear body with the plate bonded to ``shape.contact``, else finite strains up to this indentation.
 
     Raises:
         InputError: a Poisson's ratio outside 0 .. 1/2, a negative indentation or one as large as the radius.
