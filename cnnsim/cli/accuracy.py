@@ -33,7 +33,12 @@ _FILE = click.Path(path_type=Path)
 @click.argument("picture", type=_FILE, required=False)
 @click.option("-o", "--output", type=_FILE, help="Where the diagram goes (PNG, SVG, PDF).")
 @click.option("--csv", "figures", type=_FILE, help="Where the figures go, a line a run.")
-@click.option("--time", "duration", type=float, help="Compare after so many time constants; else the template's or 10.")
+@click.option(
+    "--time",
+    "duration",
+    type=float,
+    help="Time constants after which runs are compared; the template's or 10 if not given.",
+)
 @click.option("--backend", "names", multiple=True, type=click.Choice(backends.NAMES), help="One or more; cpu if none.")
 @json_option
 def accuracy(

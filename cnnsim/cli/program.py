@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from cnnsim import backends
 from cnnsim.cli.large import (
     black_cells,
     block_option,
@@ -19,8 +20,7 @@ from cnnsim.cli.large import (
     write_result,
 )
 from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, range_option
-from cnnsim.cli.run import backend_option, device_option, json_option
-from cnnsim.cli.threads import find_backend, threads_option
+from cnnsim.cli.run import backend_option, device_option, json_option, threads_option
 from cnnsim.support import Array, InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.files import check_folder, make_folder
@@ -85,7 +85,7 @@ def program(
     parsed = load_program(
         file, parameters={key: _number(key, text) for key, text in _pairs("--set", settings, once=True)}
     )
-    where = find_backend(backend, device=device, threads=threads)
+    where = backends.get(backend, device=device, threads=threads)
     reading = PictureOptions(binary, levels, where.dtype)
     large = engine is not None or store is not None
     film = output is not None and is_film(output)
@@ -160,8 +160,10 @@ def _steps(inputs: dict[str, PictureSequence], stills: set[str]) -> int | None:
         return None
     counts = {key: sequence.count() for key, sequence in moving.items()}
     if len(set(counts.values())) > 1:
-        told = ", ".join(f"{key} has {count} picture{'s' * (count != 1)}" for key, count in counts.items())
-        raise InputError(f"sequences of different lengths: {told}; as many of each wanted (--still: one for all steps)")
+        lengths = ", ".join(f"{key} has {count} picture{'s' * (count != 1)}" for key, count in counts.items())
+        raise InputError(
+            f"sequences of different lengths: {lengths}; as many of each wanted (--still: one for all steps)"
+        )
     return next(iter(counts.values()))
 
 

@@ -22,7 +22,6 @@ from cnnsim.cli.pictures import (
     read_for,
     write_planes,
 )
-from cnnsim.cli.threads import find_backend, threads_option
 from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
@@ -35,6 +34,9 @@ from cnnsim.support.terminal import say
 
 backend_option = click.option("--backend", type=click.Choice(backends.NAMES), default="cpu", show_default=True)
 device_option = click.option("--device", help="OpenCL device, by number or part of its name; see `cnnsim devices`.")
+threads_option = click.option(
+    "--threads", type=click.IntRange(1), help="Threads of the cpu backend on large grids; all cores if not given."
+)
 without_option = click.option(
     "--without", multiple=True, type=click.Choice(get_args(Saving)), help="Do without a saving, for comparison."
 )
@@ -127,7 +129,6 @@ def run(
     finely = accuracy is not None and parse_accuracy(accuracy).dtype == "float64"
     reading = PictureOptions(binary, levels, np.dtype(np.float64) if finely else where.dtype)
     shown = read_for(entry, pictures, reading, batch=True)
-    where = find_backend(backend, where.dtype, device, threads, shown.size)
     task = entry.changed(entry.task(shown, read_beside(state, "--state", shown, reading)), given)
     for key, path in (("mask", mask), ("bias", bias)):
         if (plane := read_beside(path, f"--{key}", shown, reading)) is not None:

@@ -115,7 +115,7 @@ def _single_layer(template: Template) -> dict[str, Any]:
 
 
 def _term(term: Term) -> dict[str, Any]:
-    """Return the fields of a term without those that have their default."""
+    """Return the fields of a term that differ from their defaults."""
     values = ((part, getattr(term, part.name)) for part in fields(term))
     return {part.name: _plain(v) for part, v in values if part.default is MISSING or v != part.default}
 

@@ -1,7 +1,7 @@
 """Term: a non-linear, delayed, space-variant or inter-layer part of a cell's equation, beyond A*y + B*u + z.
 
 **One sign convention**: a difference is the neighbour minus the centre, kl minus ij. Readers of other systems' files
-(`cnnsim.formats`) turn those that are the other way round.
+(`cnnsim.formats`) change the sign of others.
 """
 
 from dataclasses import dataclass, field

@@ -63,7 +63,7 @@ def open_npz(path: Path, what: str) -> Iterator["np.lib.npyio.NpzFile"]:
 
 
 def read_npz_arrays(path: Path, what: str, names: Iterable[str]) -> dict[str, Array]:
-    """Return the arrays of an NPZ file with these names, those that exist.
+    """Return the arrays of an NPZ file that have these names.
 
     Raises:
         InputError: as `open_npz`, or a member that is no array.

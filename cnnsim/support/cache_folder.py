@@ -53,5 +53,5 @@ def first_usable(candidates: Sequence[Path], what: str) -> Path:
             reasons.append(f"{folder}: {error.strerror}")
     temporary = Path(tempfile.mkdtemp(prefix="cnnsim-"))
     atexit.register(shutil.rmtree, temporary, ignore_errors=True)
-    Notices.once(f"{what} are made anew each time: no folder to keep them in ({'; '.join(reasons)})")
+    Notices.once(f"{what} are compiled again each time: no folder to keep them in ({'; '.join(reasons)})")
     return temporary

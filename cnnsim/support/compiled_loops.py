@@ -35,10 +35,10 @@ _OUTSIDE = "cnnsim.support"
 
 @cache
 def folder() -> Path:
-    """Return the cache folder: NUMBA_CACHE_DIR, or beside the code, or the user's, or a temporary one."""
+    """Return the cache folder: NUMBA_CACHE_DIR, or one next to the code, or the user's, or a temporary one."""
     own = (Path(config.CACHE_DIR),) if config.CACHE_DIR else ()
     beside = Path(__file__).with_name("__pycache__")
-    return first_usable((*own, beside, user_cache() / "cellular-wave-touch" / "loops"), "compiled loops")
+    return first_usable((*own, beside, user_cache() / "cellular-wave-touch" / "loops"), "loops")
 
 
 @cache

@@ -13,7 +13,7 @@ TEMPLATES = 10_000
 TABLE = 2**31
 """Bytes of a text recording, which is read as a whole."""
 UNPACKED, PACKING = 64 * 2**20, 200
-"""A packed file may unpack to so many bytes, or to so many times its size; recorded readings pack 10 times."""
+"""Bytes that any packed file may unpack to, and the ratio that a larger one may have; recordings have about 10."""
 CHUNK, RECORD = 2**26, 2**28
 """Bytes of the largest chunk of an MCAP recording that is unpacked, and of its longest record."""
 TAXELS = 1 << 20

@@ -63,7 +63,7 @@ def test_a_full_disk_keeps_nothing_and_stops_nothing(cache: Path) -> None:
     """A limit on the size of files stands for it."""
     place, hits, told = run(cache, full=True)
     assert (place != cache, hits) == (True, 0)
-    assert "compiled loops are made anew each time" in told
+    assert "loops are compiled again each time" in told
 
 
 @pytest.mark.parametrize("kept", ["*.nbc", "*.nbi"])
@@ -111,7 +111,7 @@ def test_a_folder_that_cannot_be_used_gives_a_notice_and_no_error(
     assert folder.is_dir()
     assert first_usable([wall / "a", wall, open_to_all], "compiled loops") not in (wall, open_to_all)
     assert len(told) == 1
-    assert "made anew" in told[0]
+    assert "compiled again" in told[0]
     assert str(wall) in told[0]
     assert f"{open_to_all}: others can write it" in told[0]
 
