@@ -3,18 +3,22 @@
 Signals and lengths as in `field_numba`. Source: D. W. Marquardt, J. SIAM 11 (1963) 431.
 """
 
+import math
+
 import numpy as np
 
 from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.field_numba import dot, energy, equations, jacobian, residual
 from tactile.inverse.limits import (
     ALL_TAXELS,
+    CHANCE,
     CONVERGED,
     DAMPING,
     FOREIGN_RATIO,
     FOREIGN_SHARE,
     FOREIGN_SIGMAS,
     NOISE_FROM,
+    NOT_CHANCE,
     REACH,
     ROUNDING,
     STEPS,
@@ -164,3 +168,26 @@ def _foreign(at, left, felt, loads, noise):  # type: ignore[no-untyped-def]
             if nearest > REACH * REACH:
                 worst, largest = i, size
     return worst
+
+
+@kept_njit(error_model="numpy")
+def misfits(chi, whole, taxels, free, noise, estimate):  # type: ignore[no-untyped-def]
+    """Return the part of chi^2 that noise may explain, the part that is surely no noise, and the misfit.
+
+    ``noise``: 0 where it is unknown; ``estimate`` is the first part then. The misfit is the share of the signals, as
+    root mean squares, that neither the loads nor noise explain.
+    """
+    random, excess = estimate, max(chi - estimate, 0.0) if estimate > 0 else 0.0
+    if noise > 0:
+        random = noise * noise * (free + CHANCE * math.sqrt(2.0 * free))
+        excess = max(chi - noise * noise * (free + NOT_CHANCE * math.sqrt(2.0 * free)), 0.0)
+    signal = max(whole - random, random / taxels)
+    misfit = math.sqrt(min(max(chi - random, 0.0) / signal, 1.0)) if signal > 0 else 0.0
+    return random, excess, misfit
+
+
+@kept_njit(error_model="numpy")
+def student(free):  # type: ignore[no-untyped-def]
+    """Return Student's 68 % quantile, 1 + 1 / (2 n) + 1 / (4 n^2) + 0.09 / n^4 to 0.3 %; 1 for no degree of freedom."""
+    t = 1.0 / free if free >= 1 else 0.0
+    return 1.0 + t * (0.5 + t * (0.25 + t * t * 0.09))

@@ -10,7 +10,8 @@ import numpy as np
 
 from tactile.elastic.layer_field import HALF_SPACE
 from tactile.inverse.limits import DOUBT, STRONGEST, UNOBSERVABLE
-from tactile.inverse.single_fit import Fit, Signals, fitted, made
+from tactile.inverse.single_fit import Fit, fitted, made
+from tactile.inverse.weights import Signals
 
 BY_SHEAR, BY_TAXEL = 0.2, 0.6
 """Distances [depths] from the place by shear alone, and from that without a taxel, from which a place is in doubt."""

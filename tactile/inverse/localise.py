@@ -131,7 +131,7 @@ def _compared(taxels: Taxels) -> Load:
 
 def _loads(taxels: Taxels, found: Candidate, *, local: bool) -> list[Load]:
     """Return the loads of a model in metres and newtons; ``local``: each is judged by the taxels around it."""
-    from tactile.inverse.residual_tests_numba import student  # numba is slow to import
+    from tactile.inverse.fit_numba import student  # numba is slow to import
 
     fit, depth, top, cols = found.fit, taxels.depth, found.top, taxels.shape[1]
     gone = np.setdiff1d(taxels.order, found.order)

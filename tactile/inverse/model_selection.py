@@ -4,7 +4,6 @@ The simplest model is kept unless another one leaves much less; where two models
 ambiguous.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -29,6 +28,7 @@ from tactile.inverse.limits import (
 )
 from tactile.inverse.multi_fit import EXPLAINED, ranked, several, simplest
 from tactile.inverse.single_fit import NO_DIFFERENCE, Candidate, Fit, Taxels, fitted, made
+from tactile.inverse.wide_tip import may_be_wide, variance_of_wide
 
 FEW, NO_LESS = 16, 0.1
 """With at most `FEW` taxels all places are tried in doubt; a fit counts as better if it leaves `NO_LESS` of a variance
@@ -40,8 +40,6 @@ FRICTION = 2.0
 """Largest ratio of shear to normal force of a second load; what exceeds it is a false taxel."""
 SECOND_FROM = 6
 """Number of taxels from which a second load is tested where the noise is known."""
-RADII = (0.15, 0.3, 0.5, 0.7, 0.9, 1.1)
-"""Radii [depths] of tips that are tried: smaller ones are points, larger ones no single load."""
 
 
 def best_model(taxels: Taxels, one: Candidate) -> Candidate:
@@ -98,7 +96,7 @@ def _without_certain(one: Candidate) -> Candidate:
 
     Ambiguous where too few others are left.
     """
-    from tactile.inverse.residual_tests_numba import equal_readings  # numba is slow to import
+    from tactile.inverse.single_fit_numba import equal_readings  # numba is slow to import
 
     fit, signals = one.fit, one.fit.signals
     if one.clipped or one.false or fit.free < 1 or fit.chi <= NO_DIFFERENCE * fit.whole:
@@ -115,11 +113,10 @@ def _without_certain(one: Candidate) -> Candidate:
 
 
 def _without_largest(one: Candidate, cut: Flags) -> Candidate:
-    signals = one.fit.signals
-    cells = tuple(signals.cells[cut.any(axis=1)].tolist())
+    cells = tuple(one.fit.signals.cells[cut.any(axis=1)].tolist())
     if one.fit.free < cut.sum():
         return replace(one, ambiguous=True, clipped=cells)
-    return replace(one, fit=fitted(signals.less(cut), one.fit.loads), clipped=cells)
+    return replace(one, fit=fitted(one.fit.signals.less(cut), one.fit.loads), clipped=cells)
 
 
 def _without_clipped(one: Candidate) -> Candidate | None:
@@ -146,7 +143,7 @@ def _without_reading(one: Candidate) -> Candidate:
     found = _without_clipped(one) or _without_false(one)
     if found is None:
         return one
-    return _or_wide(one, found) if _may_be_wide(one.fit) else found
+    return _or_wide(one, found) if may_be_wide(one.fit) else found
 
 
 def _without_false(one: Candidate) -> Candidate | None:
@@ -243,42 +240,11 @@ def _surer(found: Candidate, rival: Candidate) -> Candidate:
     return found if sure else replace(found, ambiguous=True)
 
 
-def _may_be_wide(fit: Fit) -> bool:
-    """Whether a wide tip explains more than half of the excess, to first order in its area."""
-    from tactile.inverse.residual_tests_numba import width  # numba is slow to import
-
-    if len(fit.loads) > 1 or not np.isfinite(fit.covariance).all():
-        return False
-    along, seen = width(fit.signals[:6], fit.loads[0], fit.covariance, np.empty(5))
-    return bool(along > 0 and along * along > 0.5 * seen * (fit.chi - fit.random))
-
-
 def _or_wide(one: Candidate, found: Candidate) -> Candidate:
     """Return what was found, or the one load if a wide tip explains much better; ambiguous if both explain as much."""
-    fit, signals, load, least = one.fit, one.fit.signals, one.fit.loads, math.inf
-    if len(load) > 1 or len(found.fit.loads) > 1 or fit.misfit > POINT:
+    if len(one.fit.loads) > 1 or len(found.fit.loads) > 1 or one.fit.misfit > POINT:
         return found
-    for radius in RADII:
-        for _ in range(4):  # each fit is nearer by a factor of 3 to 10
-            load = fitted(signals._replace(felt=signals.felt - _width(fit, load, radius)), load).loads
-        rest = signals.felt - _width(fit, load, radius) - made(signals, load)
-        least = min(least, float((rest * rest).sum()))
-    free = max(fit.free - 1, 1)
-    random = fit.random * free / max(fit.free, 1)
-    wide = max(least - random, random * math.sqrt(2 / free)) / free * one.top**2
+    wide = variance_of_wide(one.fit) * one.top**2
     if wide * RIVALS < found.left:
         return one
     return found if found.left * RIVALS < wide else replace(found, ambiguous=True)
-
-
-def _width(fit: Fit, load: Floats, radius: float) -> Floats:
-    """Return what the width of a tip adds to the signals (n, 3) of a point load (1, 5).
-
-    Hertz's pressure over a circle of radius a has, up to the fourth, the moments of 0.3 of the load in the middle and
-    0.7 on a ring of radius sqrt(4 / 7) a.
-    """
-    parts, angles = np.repeat(load, 7, axis=0), np.arange(6) * (np.pi / 3)
-    parts[:6, 0] += radius * math.sqrt(4 / 7) * np.cos(angles)
-    parts[:6, 1] += radius * math.sqrt(4 / 7) * np.sin(angles)
-    parts[:, 2:] *= np.array([0.7 / 6] * 6 + [-0.7])[:, None]
-    return made(fit.signals, parts)

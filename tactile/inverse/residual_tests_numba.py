@@ -17,9 +17,7 @@ from tactile.inverse.field_numba import dot, jacobian, residual
 from tactile.inverse.fit_numba import invert, least_squares
 from tactile.inverse.limits import (
     BY_CHANCE,
-    CHANCE,
     CLIPPED_SIGMAS,
-    EQUAL,
     FALSE_SIGMAS,
     FALSE_TIMES,
     FEW_FREE,
@@ -27,7 +25,6 @@ from tactile.inverse.limits import (
     HIDES,
     LIKELY,
     NEAR_END,
-    NOT_CHANCE,
     NOTICED,
     SAME,
     SECOND_APART,
@@ -42,29 +39,6 @@ SOUND, FALSE, ONE_OF_TWO = 0, 1, 2
 RADIUS, AROUND = 0.5, 4
 """Radius and number of places of the ring that stands for a width; its mean square radius is that of a ball's contact
 of 0.8 depths."""
-
-
-@kept_njit(error_model="numpy")
-def misfits(chi, whole, taxels, free, noise, estimate):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Return the part of chi^2 that noise may explain, the part that is surely no noise, and the misfit.
-
-    ``noise``: 0 where it is unknown; ``estimate`` is the first part then. The misfit is the share of the signals, as
-    root mean squares, that neither the loads nor noise explain.
-    """
-    random, excess = estimate, max(chi - estimate, 0.0) if estimate > 0 else 0.0
-    if noise > 0:
-        random = noise * noise * (free + CHANCE * math.sqrt(2.0 * free))
-        excess = max(chi - noise * noise * (free + NOT_CHANCE * math.sqrt(2.0 * free)), 0.0)
-    signal = max(whole - random, random / taxels)
-    misfit = math.sqrt(min(max(chi - random, 0.0) / signal, 1.0)) if signal > 0 else 0.0
-    return random, excess, misfit
-
-
-@kept_njit(error_model="numpy")
-def student(free):  # type: ignore[no-untyped-def]
-    """Return Student's 68 % quantile, 1 + 1 / (2 n) + 1 / (4 n^2) + 0.09 / n^4 to 0.3 %; 1 for no degree of freedom."""
-    t = 1.0 / free if free >= 1 else 0.0
-    return 1.0 + t * (0.5 + t * (0.25 + t * t * 0.09))
 
 
 @kept_njit(error_model="numpy")
@@ -206,37 +180,6 @@ def second_load(data, load, covariance, left):  # type: ignore[no-untyped-def]
     for m in range(3):
         explained += vector[m] * dot(inverse[m], vector)
     return worst, dot(inverse[2], vector), explained / chi
-
-
-@kept_njit(error_model="numpy")
-def equal_readings(felt, scale):  # type: ignore[no-untyped-def]
-    """Return the only reading (3 taxel + axis) that is zero, -1 for none, and how many are equally the largest.
-
-    Noisy readings are never equal, so the first is dead and the others are clipped. Where any two others are equal, as
-    with coarse steps or loads on an axis of symmetry, neither is: -1 and 0.
-    """
-    raw, largest, zero, zeros, count, ends = np.empty(felt.size), 0.0, -1, 0, 0, 0
-    for i in range(len(felt)):
-        for k in range(3):
-            if scale[i, k] > 0:
-                largest = max(largest, abs(felt[i, k]) / scale[i, k])
-    for i in range(len(felt)):
-        for k in range(3):
-            own = abs(felt[i, k])
-            if own >= largest * (1 - EQUAL) * scale[i, k] > 0:
-                ends += 1
-            elif scale[i, k] > 0 and own <= EQUAL * largest * scale[i, k]:
-                zero, zeros = 3 * i + k, zeros + 1
-            elif scale[i, k] > 0:
-                raw[count] = own / scale[i, k]
-                count += 1
-    if zeros != 1 and ends < 2:
-        return -1, 0
-    for i in range(count):
-        for j in range(i):
-            if abs(raw[i] - raw[j]) <= EQUAL * max(raw[i], raw[j]):
-                return -1, 0
-    return zero if zeros == 1 and ends == 1 else -1, ends if ends > 1 else 0
 
 
 @kept_njit(error_model="numpy")

@@ -3,11 +3,11 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from cnnsim.support import Flags, Floats, Integers
+from cnnsim.support import Floats, Integers
 from tactile.inverse.limits import (
     CHANCE,
     DOUBT,
@@ -21,7 +21,7 @@ from tactile.inverse.limits import (
     USUAL_NOISE,
 )
 from tactile.inverse.validity import Validity
-from tactile.inverse.weights import Weights
+from tactile.inverse.weights import Signals, Weights
 
 NO_DIFFERENCE = 1e-24
 """Share of the signals' energy below which two places explain them alike: rounding."""
@@ -29,37 +29,6 @@ OBSERVED_SHEAR = 0.2
 """Shear across a line of taxels on a layer is given if its deviation is below this part of the normal force."""
 LOOSE = 12.0
 """Twice the relative error of a variance from the tenth's quantile of n numbers, times the root of n."""
-
-
-class Signals(NamedTuple):
-    """Signals of the taxels ``cells`` (n,) of an array of ``shape``: places (n, 2) in depths, signals (n, 3) over the
-    largest one times ``scale`` (n, 3), which makes their noise equal.
-
-    ``noise``: its standard deviation, None if unknown; ``layer``: table of `layer_field`; ``tie``: see
-    `start_numba.signals`; ``lost``: number of readings left out, whose signal and scale are 0.
-    """
-
-    seen: Floats
-    felt: Floats
-    scale: Floats
-    strain: bool
-    layer: Floats
-    tie: Floats
-    cells: Integers
-    shape: tuple[int, int]
-    noise: float | None
-    lost: int = 0
-
-    def without(self, k: int) -> "Signals":
-        """Return the signals of all taxels but the k-th."""
-        seen, felt, scale = (np.delete(part, k, 0) for part in (self.seen, self.felt, self.scale))
-        lost = self.lost - int((self.scale[k] == 0).sum())
-        return self._replace(seen=seen, felt=felt, scale=scale, cells=np.delete(self.cells, k), lost=lost)
-
-    def less(self, readings: Flags) -> "Signals":
-        """Return the signals without these readings (n, 3)."""
-        felt, scale = (np.where(readings, 0.0, part) for part in (self.felt, self.scale))
-        return self._replace(felt=felt, scale=scale, lost=int((scale == 0).sum()))
 
 
 class Fit:
@@ -71,7 +40,7 @@ class Fit:
     """
 
     def __init__(self, signals: Signals, loads: Floats, fitted: tuple[Any, ...]) -> None:
-        from tactile.inverse.residual_tests_numba import misfits  # numba is slow to import
+        from tactile.inverse.fit_numba import misfits  # numba is slow to import
 
         self.signals, self.loads = signals, loads
         self.chi, self.whole, self.covariance, self.rest, self.stranger = fitted

@@ -9,9 +9,10 @@ import math
 import numpy as np
 
 from cnnsim.support.compiled_loops import kept_njit
-from tactile.inverse.fit_numba import fit
+from tactile.inverse.fit_numba import fit, misfits, student
 from tactile.inverse.limits import (
     DOUBT,
+    EQUAL,
     FEW_FREE,
     FEWEST,
     LARGE_PAD,
@@ -27,14 +28,12 @@ from tactile.inverse.limits import (
 )
 from tactile.inverse.residual_tests_numba import (
     SOUND,
-    equal_readings,
     false_reading,
-    misfits,
     second_load,
-    student,
     unexplained,
 )
-from tactile.inverse.start_numba import answers, consensus, layer_places, signals, strongest, two_best
+from tactile.inverse.start_numba import consensus, layer_places, signals, strongest, two_best
+from tactile.inverse.taxel_numba import answers
 from tactile.inverse.validity import Validity
 
 DOUBTFUL, NOTHING, FOUND = 0, 1, 2
@@ -130,6 +129,37 @@ def single_load(values, planes, at, weights, units, noise, answer):  # type: ign
     answer[15], answer[16], answer[17] = misfit, order.size, nearest < 2
     answer[18] = unread(at, planes, answer[0], answer[1], depth, answer[19:])
     return FOUND
+
+
+@kept_njit(error_model="numpy")
+def equal_readings(felt, scale):  # type: ignore[no-untyped-def]
+    """Return the only reading (3 taxel + axis) that is zero, -1 for none, and how many are equally the largest.
+
+    Noisy readings are never equal, so the first is dead and the others are clipped. Where any two others are equal, as
+    with coarse steps or loads on an axis of symmetry, neither is: -1 and 0.
+    """
+    raw, largest, zero, zeros, count, ends = np.empty(felt.size), 0.0, -1, 0, 0, 0
+    for i in range(len(felt)):
+        for k in range(3):
+            if scale[i, k] > 0:
+                largest = max(largest, abs(felt[i, k]) / scale[i, k])
+    for i in range(len(felt)):
+        for k in range(3):
+            own = abs(felt[i, k])
+            if own >= largest * (1 - EQUAL) * scale[i, k] > 0:
+                ends += 1
+            elif scale[i, k] > 0 and own <= EQUAL * largest * scale[i, k]:
+                zero, zeros = 3 * i + k, zeros + 1
+            elif scale[i, k] > 0:
+                raw[count] = own / scale[i, k]
+                count += 1
+    if zeros != 1 and ends < 2:
+        return -1, 0
+    for i in range(count):
+        for j in range(i):
+            if abs(raw[i] - raw[j]) <= EQUAL * max(raw[i], raw[j]):
+                return -1, 0
+    return zero if zeros == 1 and ends == 1 else -1, ends if ends > 1 else 0
 
 
 @kept_njit(error_model="numpy")

@@ -12,7 +12,6 @@ from numba import njit
 from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.inverse.fit_numba import forces, least_squares
 from tactile.inverse.limits import CHANCE, FEWEST, SAME, SEEDS, STEPS, UNOBSERVABLE, VOTERS
-from tactile.inverse.taxel_numba import BLOCK, strain_blocks, stress_blocks
 from tactile.inverse.validity import Validity
 
 INSIDE, OUTSIDE = float(Validity.INSIDE), float(Validity.OUTSIDE)
@@ -25,35 +24,8 @@ GOOD = 0.002
 """Residual per signal below which no other place is tried on a layer."""
 
 
-@kept_helper(error_model="numpy")
-def answers(values, strain, times, depth, floor):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """Return the planes (families, 4, n) of the inverse of readings (rows, cols, 3), none if all are at most ``floor``.
-
-    ``times``: 4 pi E z^2 / 3 for strain, 2 pi z^2 / 3 for stress.
-    """
-    rows, cols, _ = values.shape
-    n, above = rows * cols, False
-    signals = np.empty((3, n))
-    for i in range(rows):
-        for j in range(cols):
-            for k in range(3):
-                signals[k, i * cols + j] = values[i, j, k]
-                above = above or not abs(values[i, j, k]) <= floor  # NaN is no quiet reading
-    planes = np.empty(((2 if strain else 1) if above else 0, 4, n))
-    blocks, tiny = -(-n // BLOCK), np.finfo(np.float64).tiny
-    for f in range(len(planes)):
-        out = planes[f]
-        if strain:
-            numbers = times, tiny, depth, floor, 1.0 - 2.0 * f
-            strain_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, numbers)
-        else:
-            others = times, tiny, depth, floor
-            stress_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, others)
-    return planes
-
-
 @kept_njit(error_model="numpy")
-def strongest(planes, trust, depth, strain):  # type: ignore[no-untyped-def]
+def strongest(planes, trust, depth, strain):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Return the signals (families, taxels), each taxel's largest, and the taxels with an answer, strongest first.
 
     Signals are compared times ``trust``. Only the first `VOTERS` are in order: numba needs a second to compile a sort.

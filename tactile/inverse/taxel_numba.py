@@ -169,6 +169,33 @@ def stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # ty
         _places(work, dx[cut], dy[cut])
 
 
+@kept_helper(error_model="numpy")
+def answers(values, strain, times, depth, floor):  # type: ignore[no-untyped-def]
+    """Return the planes (families, 4, n) of the inverse of readings (rows, cols, 3), none if all are at most ``floor``.
+
+    ``times``: 4 pi E z^2 / 3 for strain, 2 pi z^2 / 3 for stress.
+    """
+    rows, cols, _ = values.shape
+    n, above = rows * cols, False
+    signals = np.empty((3, n))
+    for i in range(rows):
+        for j in range(cols):
+            for k in range(3):
+                signals[k, i * cols + j] = values[i, j, k]
+                above = above or not abs(values[i, j, k]) <= floor  # NaN is no quiet reading
+    planes = np.empty(((2 if strain else 1) if above else 0, 4, n))
+    blocks, tiny = -(-n // BLOCK), np.finfo(np.float64).tiny
+    for f in range(len(planes)):
+        out = planes[f]
+        if strain:
+            numbers = times, tiny, depth, floor, 1.0 - 2.0 * f
+            strain_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, numbers)
+        else:
+            others = times, tiny, depth, floor
+            stress_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, others)
+    return planes
+
+
 @kept_njit(parallel=True, error_model="numpy")
 def _strain_parallel(x, y, z, dx, dy, force, validity, blocks, threads, numbers):  # type: ignore[no-untyped-def]
     for thread in prange(threads):

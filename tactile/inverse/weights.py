@@ -1,4 +1,4 @@
-"""Units and weights of an array's signals, and the program of its per-cell inverse."""
+"""Signals of an array: their units and weights, the signals of one frame, and the program of the per-cell inverse."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ import numpy as np
 from cnnsim.library.folders import folder
 from cnnsim.program.file import load_program
 from cnnsim.program.program import Program
-from cnnsim.support import Floats, InputError
+from cnnsim.support import Flags, Floats, InputError, Integers
 from tactile.core.frame import TaxelArray
 
 
@@ -39,6 +39,37 @@ def weigh(noise: Floats | float | None, shape: tuple[int, int]) -> Weights:
     sigma = np.reshape(noise, (-1, 3))
     typical = float(np.median(sigma))
     return Weights(typical, typical / sigma, (typical / sigma).min(axis=1))
+
+
+class Signals(NamedTuple):
+    """Signals of the taxels ``cells`` (n,) of an array of ``shape``: places (n, 2) in depths, signals (n, 3) over the
+    largest one times ``scale`` (n, 3), which makes their noise equal.
+
+    ``noise``: its standard deviation, None if unknown; ``layer``: table of `layer_field`; ``tie``: see
+    `start_numba.signals`; ``lost``: number of readings left out, whose signal and scale are 0.
+    """
+
+    seen: Floats
+    felt: Floats
+    scale: Floats
+    strain: bool
+    layer: Floats
+    tie: Floats
+    cells: Integers
+    shape: tuple[int, int]
+    noise: float | None
+    lost: int = 0
+
+    def without(self, k: int) -> "Signals":
+        """Return the signals of all taxels but the k-th."""
+        seen, felt, scale = (np.delete(part, k, 0) for part in (self.seen, self.felt, self.scale))
+        lost = self.lost - int((self.scale[k] == 0).sum())
+        return self._replace(seen=seen, felt=felt, scale=scale, cells=np.delete(self.cells, k), lost=lost)
+
+    def less(self, readings: Flags) -> "Signals":
+        """Return the signals without these readings (n, 3)."""
+        felt, scale = (np.where(readings, 0.0, part) for part in (self.felt, self.scale))
+        return self._replace(felt=felt, scale=scale, lost=int((scale == 0).sum()))
 
 
 def newtons(array: TaxelArray, modulus: float | None) -> float:
