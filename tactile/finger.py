@@ -15,11 +15,10 @@ from tactile.core.saturation import Saturation
 from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Transition
-from tactile.events.detector_file import shipped_detectors, users_detectors
+from tactile.events.detector_file import SHIPPED, shipped_detectors, users_detectors
 from tactile.events.hidden_contact import HiddenContact
 from tactile.events.load_travel import Travel
 from tactile.events.planes import CODE, Moment, PlanePool
-from tactile.events.registry import SHIPPED
 from tactile.events.signals.signals import Signals
 from tactile.inverse.load import Load
 from tactile.inverse.localise import NO_LOAD, FrameFit, localise

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def ports(as_json: bool) -> None:
     """List serial ports and the devices on them."""
-    from tactile.serial.ports import list_ports  # pyserial only where it is used
+    from tactile.serial.port import list_ports  # pyserial only where it is used
 
     rows = list_ports()
     if as_json:

@@ -10,9 +10,8 @@ from cnnsim.support.terminal import echo, say_table
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 def planes(as_json: bool) -> None:
     """List the planes that detectors read."""
-    from tactile.events.detector_file import shipped_detectors  # the machine is not for --help
+    from tactile.events.detector_file import SHIPPED, shipped_detectors  # the machine is not for --help
     from tactile.events.planes import meanings  # the same
-    from tactile.events.registry import SHIPPED  # the same
 
     found = dict(meanings())
     for detector in shipped_detectors(SHIPPED):

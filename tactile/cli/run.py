@@ -61,7 +61,7 @@ def run(
     from tactile.output.ground_truth import truth_of  # the same
     from tactile.output.invalid_readings import InvalidReadings  # the same
     from tactile.output.json_data import run_data, settings_data  # the same
-    from tactile.output.record import Record  # the same
+    from tactile.output.record import RunRecord  # the same
     from tactile.output.tables import tables  # the same
 
     if parquet and output is None:
@@ -89,7 +89,7 @@ def run(
     if output is None:
         pipeline.run(passed, settings, [collected])
     else:
-        with Record(
+        with RunRecord(
             output,
             frames.arrays,
             {"source": source.name, "title": frames.title, "settings": settings_data(settings)},

@@ -39,7 +39,7 @@ FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "thickness_m", "ori
 NEEDED = ("name", "rows", "cols", "pitch_m", "depth_m", "quantity")
 
 
-class Header(NamedTuple):
+class RecordingHeader(NamedTuple):
     """Contents of a header: title, modulus [Pa] and arrays as in ``Source``, and the provenance."""
 
     title: str
@@ -89,7 +89,7 @@ def _lines(source: Source) -> Iterator[str]:
             yield "calibrated = false"
 
 
-def read_header(text: str, where: str, place: str = "") -> Header:
+def read_header(text: str, where: str, place: str = "") -> RecordingHeader:
     """Return the contents of a header; ``where`` names the file in messages, ``place`` the header in it.
 
     Raises:
@@ -116,7 +116,7 @@ def read_header(text: str, where: str, place: str = "") -> Header:
     start = take(table, "start_ns", int, where) if "start_ns" in table else None
     text, choices = (take(table, key, str, where, "") for key in ("array_description", "live_choices"))
     known = Provenance(_flag(table, "untared", where, False), tuple(raw), start, text, choices)
-    return Header(take(table, "title", str, where, ""), modulus, tuple(arrays), known)
+    return RecordingHeader(take(table, "title", str, where, ""), modulus, tuple(arrays), known)
 
 
 def _flag(table: dict[str, Any], key: str, where: str, default: bool) -> bool:

@@ -31,6 +31,9 @@ OF_LOAD = "load"
 WAYS = ("right", "left", "down", "up")
 TIMES = ("confirm_ms", "release_ms", "lag_ms")
 KIND = re.compile(r"[a-z][a-z0-9_]*")
+SHIPPED = ("contact", "tangential", "slip")
+"""Shipped detectors in running order: a later one may read the outputs of an earlier one. A new one is one file in
+``templates/programs/touch``, and its name here."""
 
 
 @dataclass(frozen=True)
@@ -111,8 +114,6 @@ def users_detectors(names: Collection[str]) -> list[DetectorFile]:
     """
     if not names:
         return []
-    from tactile.events.registry import SHIPPED  # which reads with this module
-
     shipped, found = shipped_detectors(SHIPPED), list[DetectorFile]()
     known = (*NAMES, *(name for detector in shipped for name in detector.program.outputs))
     makers = {rule.kind: f"the shipped {detector.name!r}" for detector in shipped for rule in detector.rules}

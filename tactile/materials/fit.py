@@ -9,7 +9,7 @@ import numpy as np
 from cnnsim.support import Floats, InputError, Integers
 from cnnsim.support.extras import install_line
 from tactile.materials.features import Kind
-from tactile.materials.nearest_neighbours import Known, Space
+from tactile.materials.nearest_neighbours import KnownWindows, Space
 
 LANDMARKS = 600
 """Number of windows with kernels; half as many cost 0.01 of the accuracy."""
@@ -35,7 +35,7 @@ def learner(module: str) -> ModuleType:
         ) from error
 
 
-def fit(values: Floats, material: Integers, count: int, kind: Kind) -> tuple[Space, Known]:
+def fit(values: Floats, material: Integers, count: int, kind: Kind) -> tuple[Space, KnownWindows]:
     """Return the space and the known windows of features (n, k) with materials (n,), numbers below ``count``.
 
     The two figures are only scaled. The full set gets kernels to a fixed random choice of windows, and is projected to
@@ -49,7 +49,7 @@ def fit(values: Floats, material: Integers, count: int, kind: Kind) -> tuple[Spa
         # threads of linear algebra on a busy processor cost ten times what they save
         with importlib.import_module("threadpoolctl").threadpool_limits(1, "blas"):  # a dependency of scikit-learn
             space = _turned(space, (values - centre) / scale, material)
-    return space, Known(space(values), material, count)
+    return space, KnownWindows(space(values), material, count)
 
 
 def _turned(space: Space, scaled: Floats, material: Integers) -> Space:

@@ -10,7 +10,7 @@ from cnnsim.support import Floats
 from tactile.materials.conditions import conditions_of
 from tactile.materials.features import FeatureSet
 from tactile.materials.fit import fit, learner
-from tactile.materials.nearest_neighbours import Known, Space
+from tactile.materials.nearest_neighbours import KnownWindows, Space
 from tactile.materials.novelty import StandOut, numbered, stand_out
 from tactile.materials.slide import Slide
 from tactile.materials.windows import WindowTable, cut
@@ -50,7 +50,7 @@ class TextureModel:
     materials: tuple[str, ...]
     features: FeatureSet
     space: Space
-    known: Known
+    known: KnownWindows
     confidence: Confidence
     conditions: Mapping[str, Any]
 

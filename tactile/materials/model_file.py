@@ -12,7 +12,7 @@ from cnnsim.support.files import make_folder, writing
 from cnnsim.support.limits import one_line
 from tactile.materials.features import BANDS, FINE, FeatureSet
 from tactile.materials.model import Confidence, TextureModel
-from tactile.materials.nearest_neighbours import Known, Space
+from tactile.materials.nearest_neighbours import KnownWindows, Space
 
 FORMAT, VERSION = "tactile texture model", 1
 ARRAYS = ("frequencies", "centre", "scale", "landmarks", "root", "projection", "places", "material")
@@ -96,5 +96,5 @@ def _model(head: dict[str, Any], arrays: dict[str, Any]) -> TextureModel:
         float(head["weight"]), floats["projection"],
     )  # fmt: skip
     sure = Confidence(*(float(one) for one in head["confidence"]))
-    near = Known(floats["places"], material.astype(np.int64), len(materials))
+    near = KnownWindows(floats["places"], material.astype(np.int64), len(materials))
     return TextureModel(materials, features, space, near, sure, dict(head["conditions"]))

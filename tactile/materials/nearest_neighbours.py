@@ -66,7 +66,7 @@ class Vote(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownWindows:
     """Windows of known material: ``places`` (m, d) and ``material`` (m,), numbers below ``count``."""
 
     places: Floats

@@ -25,7 +25,7 @@ GAP = 6.0
 
 
 @dataclass
-class Row:
+class LabelRow:
     """A row of labels, with their extents [px]."""
 
     y: float
@@ -51,7 +51,7 @@ def label(axis: Any, events: Iterable[Event]) -> int:
     box = axis.get_window_extent()
     inches = axis.get_figure(root=True)
     height = SIZE * inches.dpi / 72 * 1.6
-    rows = [Row((number + 0.5) * height / box.height, []) for number in range(max(1, int(box.height / height)))]
+    rows = [LabelRow((number + 0.5) * height / box.height, []) for number in range(max(1, int(box.height / height)))]
     told = 0
     for event in sorted(events, key=lambda event: event.kind in MINOR):
         text = f"{HAND}: {event.words}" if event.finger == HAND else event.words  # a finger has a pull of its own

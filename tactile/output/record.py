@@ -45,7 +45,7 @@ def text_cell(text: str, *, always: bool = False) -> str:
     return f"'{text}" if always or text[:1] in FORMULA else text
 
 
-class Record:
+class RunRecord:
     """A sink that writes frames.csv as frames come, and events.json (with the settings) at the end.
 
     ``parquet``: also write frames.parquet, with texts without apostrophes.

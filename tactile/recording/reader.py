@@ -14,7 +14,7 @@ from mcap.records import Attachment, Channel, Message, Metadata
 
 from cnnsim.support import InputError
 from tactile.core.frame import Frame
-from tactile.core.header import Header, read_header
+from tactile.core.header import RecordingHeader, read_header
 from tactile.core.source import Provenance
 from tactile.recording import schema
 from tactile.recording.records import Closed, Damage, records
@@ -126,7 +126,7 @@ class StoredSource:
     def __init__(self, recorded: Recorded) -> None:
         self._recorded = recorded
         description = recorded.description
-        header = Header(description.title, description.modulus, description.arrays, Provenance())
+        header = RecordingHeader(description.title, description.modulus, description.arrays, Provenance())
         if FRAMES in recorded.made:
             header = read_header(recorded.made[FRAMES], str(recorded.path), "metadata frames")
         self.title, self.modulus, self.arrays, self.provenance = header

@@ -91,7 +91,7 @@ def idle(minutes: float, seed: int = 0) -> FrameStream:
     count = round(60 * minutes * IDLE_RATE)
     every = np.ones(array.shape, bool)
 
-    class Noise:
+    class IdleNoise:
         def __iter__(self) -> Iterator[Frame]:
             rng = np.random.default_rng((seed, 2))
             noise = np.broadcast_to(NOISE, (*array.shape, 3)).copy()
@@ -99,4 +99,4 @@ def idle(minutes: float, seed: int = 0) -> FrameStream:
             for n in range(count):
                 yield Frame(0, n / IDLE_RATE, n, rng.standard_normal(noise.shape) * noise, every)
 
-    return FrameStream("idle", (array,), None, count, Noise(), Provenance(untared=True))
+    return FrameStream("idle", (array,), None, count, IdleNoise(), Provenance(untared=True))

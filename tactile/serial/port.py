@@ -1,4 +1,4 @@
-"""Serial port: opening it, reading it, and error messages with cures."""
+"""Serial ports: list, open and read them, with error messages that name a cure."""
 
 import contextlib
 import errno
@@ -29,6 +29,19 @@ CURES = {
     errno.EISDIR: "not a serial port",
 }
 """Error number -> meaning and cure."""
+KNOWN = {
+    (0x16D0, 0x14CC): "Robotiq TSF-85",
+    (0x04B4, 0xF232): "Robotiq TSF-85",
+    (0x2341, None): "Arduino board",
+    (0x239A, None): "Adafruit board (used by ReSkin and AnySkin)",
+    (0x2E8A, None): "Raspberry Pi Pico",
+    (0x303A, None): "Espressif board",
+    (0x16C0, 0x0483): "Teensy",
+    (0x0403, None): "FTDI adapter",
+    (0x10C4, None): "Silicon Labs adapter",
+    (0x1A86, None): "WCH adapter",
+}
+"""USB vendor and product (None for any) -> likely device."""
 
 
 def open_port(name: str, baudrate: int) -> "serial.Serial":
@@ -77,3 +90,14 @@ def _configured(text: str) -> str:
         if f"({number}," in text:
             return CURES[number]
     return text
+
+
+def list_ports() -> list[dict[str, str]]:
+    """Return every port's ``port``, ``what`` and ``hint``, those on USB first."""
+    found = need("serial.tools.list_ports", "a serial port").comports()
+    rows = []
+    for port in sorted(found, key=lambda port: (port.vid is None, port.device)):
+        hint = KNOWN.get((port.vid, port.pid), KNOWN.get((port.vid, None), ""))
+        usb = "" if port.vid is None else f" {port.vid:04x}:{port.pid:04x}"
+        rows.append({"port": port.device, "what": f"{port.description}{usb}", "hint": hint})
+    return rows

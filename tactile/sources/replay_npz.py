@@ -17,7 +17,7 @@ import numpy as np
 from cnnsim.support import InputError
 from cnnsim.support.array_files import open_npz
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
-from tactile.core.header import Header, header_text, read_header
+from tactile.core.header import RecordingHeader, header_text, read_header
 from tactile.core.source import Provenance, Source
 from tactile.sources.replay_pillars import PillarReplay, read_pillars
 
@@ -31,7 +31,7 @@ COLUMNS = {
 class NpzReplay:
     """The frames of an NPZ file with a header, as a ``Source``; ``fingers``: the columns of each."""
 
-    header: Header
+    header: RecordingHeader
     fingers: tuple[dict[str, Any], ...]
 
     @property

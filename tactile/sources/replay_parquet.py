@@ -16,7 +16,7 @@ from pyarrow import parquet  # type: ignore[import-untyped]  # it ships no types
 from cnnsim.support import InputError
 from cnnsim.support.limits import check_plain, check_unpacked, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
-from tactile.core.header import Header, header_text, read_header
+from tactile.core.header import RecordingHeader, header_text, read_header
 from tactile.core.source import Provenance, Source
 from tactile.recording.parquet_rows import ParquetRows
 
@@ -34,7 +34,7 @@ COLUMNS = {
 class ParquetReplay:
     """The frames of a Parquet file as a ``Source``, read again each time."""
 
-    def __init__(self, path: Path, header: Header, frames: int) -> None:
+    def __init__(self, path: Path, header: RecordingHeader, frames: int) -> None:
         self._path, self.frames = path, frames
         self.title: str = header.title
         self.modulus: float | None = header.modulus

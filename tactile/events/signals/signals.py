@@ -70,8 +70,10 @@ class Signals:
     """
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
-        from tactile.events.signals.drift_numba import follow  # numba is slow to import
-        from tactile.events.signals.flat_numba import flat  # the same
+        from tactile.events.signals.drift_numba import (
+            flat,  # the same
+            follow,  # numba is slow to import
+        )
         from tactile.events.signals.onset_numba import KEPT as FRAMES
         from tactile.events.signals.onset_numba import bend, remember  # the same
         from tactile.events.signals.sliding_numba import slide  # the same

@@ -6,9 +6,8 @@ import pytest
 from cnnsim.program.machine import UniversalMachine
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance
-from tactile.events.detector_file import shipped_detectors
+from tactile.events.detector_file import SHIPPED, shipped_detectors
 from tactile.events.event import EventLog
-from tactile.events.registry import SHIPPED
 from tactile.events.signals.drift_numba import FOLLOWS, follow
 from tactile.pipeline import FrameReport, run
 from tactile.settings import Settings

@@ -9,9 +9,8 @@ from cnnsim.program.machine import UniversalMachine
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.noise import measured
 from tactile.core.source import FrameStream, Provenance
-from tactile.events.detector_file import shipped_detectors
+from tactile.events.detector_file import SHIPPED, shipped_detectors
 from tactile.events.event import Event, EventLog
-from tactile.events.registry import SHIPPED
 from tactile.events.signals.names import LEVELS
 from tactile.events.signals.onset_numba import KEPT, bend, remember
 from tactile.events.signals.signals import Signals

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from cnnsim import InputError
-from tactile.events.detector_file import read_detector, shipped_detectors, users_detectors
+from tactile.events.detector_file import SHIPPED, read_detector, shipped_detectors, users_detectors
 from tactile.events.event import Event
-from tactile.events.registry import SHIPPED
 from tactile.pipeline import run
 from tactile.settings import Settings
 from tests.kits.paths import ROOT

@@ -11,7 +11,7 @@ from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream
 from tactile.events.event import Event
 from tactile.output.event_data import EventData
-from tactile.output.record import Record
+from tactile.output.record import RunRecord
 from tactile.pipeline import run
 from tactile.settings import Settings
 
@@ -29,7 +29,7 @@ def pressed(side: int, frames: int) -> FrameStream:
 
 def recorded(folder: Path, source: FrameStream) -> list[Event]:
     events: list[Event] = []
-    with Record(folder, source.arrays, {}) as record:
+    with RunRecord(folder, source.arrays, {}) as record:
         run(source, Settings(backend="reference"), [record, lambda report: events.extend(report.events)])
     return events
 

@@ -17,7 +17,7 @@ from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.plot import draw, picture
 from tactile.output.plot_plane import _blocks
-from tactile.output.record import Record
+from tactile.output.record import RunRecord
 from tactile.pipeline import run
 from tactile.settings import Settings
 from tactile.sources import open_source
@@ -212,7 +212,7 @@ def test_loads_at_once_are_all_in_the_picture_and_the_record(tmp_path: Path) -> 
     x = np.asarray(dots.get_offsets())[:, 0]
     assert {round(float(one)) for one in x} == {-3, 3}
     assert f"several at once in {len(collected.others('tip'))} frames" in plane.get_title(loc="left")
-    with Record(tmp_path / "out", source.arrays, {}) as record:
+    with RunRecord(tmp_path / "out", source.arrays, {}) as record:
         run(source, Settings(backend="reference"), [record])
     rows = list(csv.DictReader((tmp_path / "out" / "frames.csv").read_text(encoding="utf-8").splitlines()))
     both = [row for row in rows if row["load_others"]]
