@@ -183,7 +183,7 @@ def _rule(table: dict[str, Any], where: str) -> EventRule:
 def _kind(table: dict[str, Any], where: str) -> str:
     kind = take(table, "kind", str, where)
     if not KIND.fullmatch(kind):
-        wanted = "small letters, digits and _ wanted, such as 'two_blobs'"
+        wanted = "lower-case letters, digits and _ wanted, such as 'two_blobs'"
         raise InputError(f"{where}: kind = {kind!r}; {wanted}{line_of(table, 'kind')}")
     return kind
 

@@ -37,5 +37,5 @@ def test_another_kind_of_file_is_named(tmp_path: Path, given: str, wanted: str) 
 
 
 def test_no_array_has_the_name_of_the_hand() -> None:
-    with pytest.raises(InputError, match="events of all fingers together are called so"):
+    with pytest.raises(InputError, match="the name of events of several fingers"):
         TaxelArray("hand", 2, 2, 1e-3, 1e-3)

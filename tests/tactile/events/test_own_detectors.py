@@ -76,7 +76,7 @@ def test_the_detector_on_the_page_runs_on_a_scene(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("change", "message"), [
     (('when       = "several"', 'when = "many"'), "event 'two_blobs': many; of the outputs touch, blobs, several"),
     (('inputs  = ["touch"]', 'inputs  = ["toch"]'), "toch"),
-    (('"two_blobs"', '"Two blobs"'), "small letters"),
+    (('"two_blobs"', '"Two blobs"'), "lower-case letters"),
     (("{taxels}", "{taxel}"), "words name taxel"),
     (("{taxels}", "{length_mm}"), "words name length_mm; of direction, sense, taxels, of_taxels"),
     (("confirm_ms = 20", 'lag_of = "touch"'), "lag_of = 'touch'; one of yielding, drawn wanted"),
@@ -129,7 +129,7 @@ def test_a_kind_is_made_by_one_detector_and_a_program_runs_once(tmp_path: Path) 
     other.write_text(renamed.replace('"two_blobs"', '"contact"'), encoding="utf-8")
     third.write_text(renamed, encoding="utf-8")
     for programs, message in (
-        ((path, path), "there is a program 'two-blobs' already"),
+        ((path, path), "a program 'two-blobs' is given already"),
         ((other,), "kind 'contact' is made by the shipped 'contact'"),
         ((path, third), "kind 'two_blobs' is made by 'two-blobs'"),
     ):
@@ -165,6 +165,6 @@ def test_all_that_is_wrong_in_a_detector_is_told_at_once(tmp_path: Path) -> None
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as raised:
         read_detector(path)
-    for what in ("did you mean 'when'", "small letters", "did you mean 'summary'", "'toch' is not declared"):
+    for what in ("did you mean 'when'", "lower-case letters", "did you mean 'summary'", "'toch' is not declared"):
         assert what in str(raised.value)
     assert str(raised.value).count(path.name) == 1

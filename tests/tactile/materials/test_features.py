@@ -86,5 +86,5 @@ def test_what_cannot_be_computed_is_refused() -> None:
         feature_set("full", 500, slides(1))
     with pytest.raises(InputError, match="at least 8 wanted"):
         feature_set("full", 4, slides(1))
-    with pytest.raises(InputError, match="times that do not grow"):
+    with pytest.raises(InputError, match="times that do not increase"):
         Slide("a", np.array([0.0, 0.0]), np.zeros((2, 3)))

@@ -40,7 +40,7 @@ def test_other_slides_are_told_and_an_unknown_material_is_not(learned: TextureMo
     assert told_slides(learned, table, 0.0)[3]["told"] in KNOWN
     assert strange(learned, others(learned, "screw")) == []
     (again,) = strange(learned, cut(slides(6, KNOWN), learned.features, WINDOW))
-    assert "among those it learned from" in again
+    assert "are training windows" in again
     fast = cut([slide("screw", 7, rate=500.0)], learned.features, WINDOW)
     assert strange(learned, fast)[0].startswith("rate_hz ")
 

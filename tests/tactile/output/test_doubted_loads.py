@@ -18,7 +18,7 @@ def test_doubted_loads_beyond_the_axes_are_counted() -> None:
     ]
     collected._rows["chip"] = far
     figure = picture(collected, source.arrays, "t")
-    assert "crosses: not sure, 7 frames, 7 beyond the edge" in axis(figure, "y [mm]").get_title(loc="left")
+    assert "crosses: uncertain, 7 frames, 7 beyond the edge" in axis(figure, "y [mm]").get_title(loc="left")
     (words,) = axis(figure, "normal").get_legend().get_texts()
     assert words.get_text().endswith("; 7 of them beyond the axis")
 

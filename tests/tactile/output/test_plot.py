@@ -123,7 +123,7 @@ def test_loads_that_are_not_sure_are_told_apart() -> None:
     assert collected.columns("chip").validity[:30].tolist() == [Validity.AMBIGUOUS] * 30
     figure = picture(collected, open_source(SCENES / "needle.toml").arrays, "t")
     plane = axis(figure, "y [mm]")
-    assert "crosses: not sure, 30 frames" in plane.get_title(loc="left")
+    assert "crosses: uncertain, 30 frames" in plane.get_title(loc="left")
     normal = axis(figure, "normal [N]")
     assert np.isnan(normal.lines[0].get_ydata()[:30]).all()
     assert normal.lines[1].get_ydata().size == 30
@@ -142,7 +142,7 @@ def test_what_is_not_known_is_not_drawn_as_zero() -> None:
     assert np.isnan(plane.images[0].get_array().filled(np.nan)[0, 0])
     assert quiver(plane).Umask.sum() == 1
     blind = [Frame(0, one.t, one.sequence, one.values, valid & False) for one in source]
-    for given, words in ((blind, "no frame with a reading"), ([], "no frame")):
+    for given, words in ((blind, "no frame with a valid reading"), ([], "no frame")):
         figure, collected = drawn(FrameStream("pad", source.arrays, None, len(given), list(given)))
         assert collected.strongest == {}
         assert words in axis(figure, "y [mm]").get_title(loc="left")

@@ -24,7 +24,7 @@ def table(path: Path) -> list[dict[str, str]]:
 
 def test_errors_stand_beside_what_was_located(tmp_path: Path) -> None:
     shown = call("run", GRIP, "-o", tmp_path / "out")
-    assert "left: off the truth by" in shown.stdout
+    assert "left: error against the ground truth:" in shown.stdout
     rows = [row for row in table(tmp_path / "out" / "frames.csv") if row["finger"] == "left"]
     held = next(row for row in rows if float(row["t_s"]) == 2.5)
     true = [float(held[f"true_{name}"]) for name in ("x_m", "y_m", "q_n", "r_n", "f_n")]
