@@ -121,12 +121,12 @@ def _model(path: Path) -> None:
     from tactile.materials.features import BANDS, FINE, FeatureSet
     from tactile.materials.model import Confidence, TextureModel
     from tactile.materials.model_file import write_model
-    from tactile.materials.nearest_neighbours import Known, Space
+    from tactile.materials.nearest_neighbours import KnownWindows, Space
 
     features = FeatureSet("figures", 100, np.linspace(1, 50, BANDS * FINE), 0.01)
     size, marks, wide = len(features.names), 3, 2
     rng = np.random.default_rng(1)
     space = Space(rng.random(size), rng.random(size), rng.random((marks, size)), rng.random((marks, marks)), 0.5, 0.5,
                   rng.random((size + marks, wide)))  # fmt: skip
-    known = Known(rng.random((4, wide)), np.array([0, 0, 1, 1]), 2)
+    known = KnownWindows(rng.random((4, wide)), np.array([0, 0, 1, 1]), 2)
     write_model(path, TextureModel(("a", "b"), features, space, known, Confidence(0.1, 1.0, 1.0), {"rate_hz": 100.0}))
