@@ -21,7 +21,7 @@ class DryLaw(Protocol):
 
 
 @dataclass(frozen=True)
-class Adhesion:
+class AdhesionLaw:
     """Law of an adhering body by its contact radius: ``force`` [N] = ``pressed`` - ``pulled``, ``indentation`` [m].
 
     ``pressed`` is the force of the dry body at this radius, ``pulled`` that of a flat punch held by the surface
@@ -40,7 +40,7 @@ class Adhesion:
         return np.interp(wanted, known, self.force), np.interp(wanted, known, self.pressed)
 
 
-def adhesion(body: DryLaw, punch: DryLaw, medium: Medium, work: float, most: float, by_depth: bool) -> Adhesion:
+def adhesion(body: DryLaw, punch: DryLaw, medium: Medium, work: float, most: float, by_depth: bool) -> AdhesionLaw:
     """Return the table for forces up to about ``most`` [N] and a work of adhesion w [J/m^2].
 
     Arguments: ``punch``: a flat punch whose ``force_on`` gives its force [N] at 1 m of indentation; ``by_depth``: the
@@ -60,14 +60,14 @@ def adhesion(body: DryLaw, punch: DryLaw, medium: Medium, work: float, most: flo
     force = pressed - pulled
     depth = body.indentation(pressed, medium) - pulled / punch.force_on(radius, medium)
     first = int(np.argmin(depth if by_depth else force))
-    return Adhesion(radius[first:], force[first:], pressed[first:], depth[first:])
+    return AdhesionLaw(radius[first:], force[first:], pressed[first:], depth[first:])
 
 
-def flat_adhesion(radius: float, punch: DryLaw, medium: Medium, work: float, most: float) -> Adhesion:
+def flat_adhesion(radius: float, punch: DryLaw, medium: Medium, work: float, most: float) -> AdhesionLaw:
     """Return the table for a flat punch, whose contact keeps its width until it snaps off."""
     edge = np.array([radius])
     force = np.linspace(-_pulled(edge, punch, medium, work)[0], max(most, 1e-12), 2)
-    return Adhesion(np.full(2, radius), force, force, force / punch.force_on(edge, medium))
+    return AdhesionLaw(np.full(2, radius), force, force, force / punch.force_on(edge, medium))
 
 
 def _pulled(radius: Floats, punch: DryLaw, medium: Medium, work: float) -> Floats:

@@ -12,7 +12,6 @@ al.'s series, which is cut at the fourth power of sqrt(R delta) / h, agrees for 
 Source: Lebedev and Ufliand (1958); Johnson, Contact Mechanics, sect. 5.8; for T Nogi and Kato (1997).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -21,64 +20,22 @@ import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from cnnsim.support import Floats, InputError
-from tactile.elastic.gauss import gauss, panels
+from tactile.elastic.gauss import gauss
+from tactile.elastic.layer_surface import WIDEST as WIDEST
+from tactile.elastic.layer_surface import cosine_transform, excess, spread
 from tactile.elastic.profiles import FLAT_PUNCH, HERTZ, ROUND_TIP, Profile
 
 Body = Literal["paraboloid", "sphere", "flat"]
-WIDEST = 20.0
-"""Contact radius over thickness where the tables end."""
 DEEPEST = 7.0
 """atanh of the contact radius over that of a sphere narrower than that, where its tables end."""
 RIM = 0.98
 """Share of the radius up to which weights are divided by the half-space's; at the rim both vanish: extrapolated."""
-
-
 NARROWEST = 1e-9
 """Smallest contact radius over the largest."""
 NEWTON, STEP = 4, 1e-3
 """Newton steps to a radius, and the relative difference for slopes, about the reduction of the error per step."""
 SMALL = 0.03
 """Contact over sphere radius below which the force is a series, as its formula cancels."""
-
-
-def excess(turn: Floats, nu: float) -> Floats:
-    """Return 1 - T(k h): the relative reduction of the surface displacement under a normal wave by the layer's base."""
-    kappa = 3 - 4 * nu
-    square, fall = 1 + kappa**2 + 4 * turn**2, np.exp(-2 * turn)
-    top = 2 * kappa * fall**2 + (square + 4 * turn) * fall
-    out: Floats = top / (kappa * (1 + fall**2) + square * fall)
-    return out
-
-
-def along_excess(turn: Floats, nu: float) -> Floats:
-    """Return the same under a tangential wave along its wave vector."""
-    kappa = 3 - 4 * nu
-    square, fall = 1 + kappa**2 + 4 * turn**2, np.exp(-2 * turn)
-    # 1 - (2 kappa sinh 2k + 4 k) / (2 kappa cosh 2k + 4 k^2 + 1 + kappa^2)
-    out: Floats = (2 * kappa * fall**2 + (square - 4 * turn) * fall) / (kappa * (1 + fall**2) + square * fall)
-    return out
-
-
-def across_excess(turn: Floats, nu: float = 0.5) -> Floats:
-    """Return the same under a tangential wave across its wave vector: 1 - tanh(k h) at any Poisson's ratio."""
-    fall = np.exp(-2 * turn)
-    out: Floats = 2 * fall / (1 + fall)
-    return out
-
-
-@lru_cache(maxsize=32)
-def cosine_transform(of: Callable[[Floats, float], Floats], nu: float = 0.5) -> CubicSpline:
-    """Return M(x), lengths in thicknesses, of one of the functions above."""
-    k, weights = panels(24.0, 121)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
-    step = of(k, nu) * weights
-    x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])
-    return CubicSpline(x, np.cos(np.outer(x, k)) @ step)
-
-
-def spread(kernel: CubicSpline, at: Floats, t: Floats, step: Floats) -> Floats:
-    """Return the matrix that maps W at nodes t > 0 to (1 / pi) integral of M(at - s) W(s) ds, for an even W."""
-    both: Floats = (kernel(np.abs(at[:, None] - t)) + kernel(at[:, None] + t)) * step / np.pi
-    return both
 
 
 @dataclass(frozen=True)

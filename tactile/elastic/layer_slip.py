@@ -26,14 +26,8 @@ from scipy.interpolate import BarycentricInterpolator, PchipInterpolator, RectBi
 
 from cnnsim.support import Floats
 from tactile.elastic.gauss import gauss
-from tactile.elastic.layer_contact import (
-    LayerContact,
-    across_excess,
-    along_excess,
-    cosine_transform,
-    excess,
-    spread,
-)
+from tactile.elastic.layer_contact import LayerContact
+from tactile.elastic.layer_surface import across_excess, along_excess, cosine_transform, excess, spread
 from tactile.elastic.profiles import Profile
 
 CONTACTS, CIRCLES, SHARES = 32, 20, 33

@@ -18,7 +18,7 @@ from scipy.interpolate import RectBivariateSpline
 
 from cnnsim.support import Floats
 from tactile.elastic.gauss import gauss
-from tactile.elastic.layer_contact import WIDEST, across_excess, cosine_transform
+from tactile.elastic.layer_surface import WIDEST, across_excess, cosine_transform
 from tactile.elastic.profiles import HERTZ, Profile
 
 RADII, ANGLES = 120, 49

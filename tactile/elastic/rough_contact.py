@@ -9,7 +9,7 @@ from scipy.special import j0
 
 from cnnsim.support import Floats, InputError
 from tactile.elastic.gauss import gauss, panels
-from tactile.elastic.layer_contact import excess
+from tactile.elastic.layer_surface import excess
 from tactile.elastic.medium import Medium
 
 STEPS = 1000

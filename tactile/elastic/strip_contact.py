@@ -19,7 +19,7 @@ from scipy.interpolate import BarycentricInterpolator, CubicSpline, RectBivariat
 
 from cnnsim.support import Floats, InputError
 from tactile.elastic.gauss import panels
-from tactile.elastic.layer_contact import excess
+from tactile.elastic.layer_surface import excess
 
 WIDEST = 20.0
 """Half width over thickness where the tables end."""

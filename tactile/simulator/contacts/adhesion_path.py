@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.support import Flags, Floats
 from tactile.core.loads import COLUMNS, PLACE, SHEAR, F
-from tactile.elastic.adhesion import Adhesion
+from tactile.elastic.adhesion import AdhesionLaw
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Disc, Loads
 from tactile.simulator.contacts.mounting import Rig, sum_of
@@ -37,7 +37,7 @@ def attached(path: Floats, snap: float, times: Floats) -> Flags:
 
 def adhesion_table(
     body: RoundShape, medium: Medium, work: float, path: Floats, by_depth: bool, reach: float = REACH
-) -> Adhesion:
+) -> AdhesionLaw:
     """Return the law of an adhering body for a path of pushes, up to ``reach`` times the largest dry force."""
     most = max(float(path[:, 1].max()), 0.0)
     dry = float(body.force_at(np.array([most]), medium)[0]) if by_depth else most
@@ -45,7 +45,7 @@ def adhesion_table(
     return body.adhesion(medium, work, reach * dry, by_depth)
 
 
-def moved(rows: Floats, pull: Floats, table_to: Callable[[float], Adhesion], rig: Rig) -> Floats:
+def moved(rows: Floats, pull: Floats, table_to: Callable[[float], AdhesionLaw], rig: Rig) -> Floats:
     """Displace and raise contacts by the rig along their adhesion's law, in place; return their pulls [N].
 
     Contacts without force stay so. One that is raised beyond its snap-off is kept there.

@@ -8,7 +8,7 @@ from cnnsim.support.keywords import spelled_class
 from cnnsim.support.values import is_number
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.shapes import LAWS as LAWS
-from tactile.simulator.contacts.shapes import SHAPES, RoundShape, Shape
+from tactile.simulator.contacts.shapes import SHAPES, IndenterShape, RoundShape
 
 
 @spelled_class
@@ -41,7 +41,7 @@ class Indenter:
                 raise InputError(f"a {self.shape} of {name} {getattr(self, name)} m, a positive length wanted")
 
     @cached_property
-    def body(self) -> Shape:
+    def body(self) -> IndenterShape:
         """The shape with these sizes."""
         return SHAPES[self.shape](self.radius, self.length, self.angle)
 
@@ -61,13 +61,13 @@ class Indenter:
         return self.round.contact_radius(force, medium)
 
     def force_at(self, indentation: Floats, medium: Medium) -> Floats:
-        """Return the normal force [N] at an indentation [m]: see ``Shape.force_at``."""
+        """Return the normal force [N] at an indentation [m]: see ``IndenterShape.force_at``."""
         return self.body.force_at(indentation, medium)
 
     def indentation(self, force: Floats, medium: Medium) -> Floats:
-        """Return the indentation [m] under normal forces [N]: see ``Shape.indentation``."""
+        """Return the indentation [m] under normal forces [N]: see ``IndenterShape.indentation``."""
         return self.body.indentation(force, medium)
 
     def held_factor(self, force: Floats, rise: Floats, medium: Medium, tip_radius: float) -> Floats:
-        """Return the growth of a held body's force when the cover rises: see ``Shape.held_factor``."""
+        """Return the growth of a held body's force when the cover rises: see ``IndenterShape.held_factor``."""
         return self.body.held_factor(force, rise, medium, tip_radius)

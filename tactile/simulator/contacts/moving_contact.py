@@ -12,7 +12,7 @@ from cnnsim.support.errors import shown
 from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number
 from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, X, Y
-from tactile.elastic.adhesion import Adhesion
+from tactile.elastic.adhesion import AdhesionLaw
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
 from tactile.simulator.contacts.friction import FrictionState
@@ -161,7 +161,7 @@ class MovingContact:
         return {}
 
     @cached_property
-    def _laws(self) -> dict[tuple[Medium, float], Adhesion]:
+    def _laws(self) -> dict[tuple[Medium, float], AdhesionLaw]:
         return {}
 
     def _line(self, rows: Floats, body: LineShape, depth: float, medium: Medium) -> Loads:

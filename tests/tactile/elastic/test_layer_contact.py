@@ -7,7 +7,8 @@ from scipy.linalg import expm
 from scipy.special import j0, j1
 
 from cnnsim.support import InputError
-from tactile.elastic.layer_contact import WIDEST, Body, excess, layer_contact
+from tactile.elastic.layer_contact import WIDEST, Body, layer_contact
+from tactile.elastic.layer_surface import excess
 from tactile.elastic.lines import line_indentation
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_force, hertz_radius, punch_force

@@ -29,7 +29,7 @@ class Cylinder(LineShape):
         return cylinder_loads(total, self.length, width, self.angle, depth, medium)
 
     def indentation(self, force: Floats, medium: Medium) -> Floats:
-        """Return the mean indentation [m] along the axis: see ``Shape.indentation``."""
+        """Return the mean indentation [m] along the axis: see ``IndenterShape.indentation``."""
         from tactile.elastic.lines import cylinder_half_width, line_indentation
 
         pressing = np.maximum(force, 0)

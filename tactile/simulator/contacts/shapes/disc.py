@@ -7,7 +7,7 @@ from tactile.simulator.contacts.shapes.flat_punch import FlatPunch
 from tactile.simulator.contacts.shapes.shape import RoundShape
 
 
-class Disc(RoundShape):
+class DiscShape(RoundShape):
     """A circle of a ``radius``, p = P / (pi a^2). It sinks in like a flat punch."""
 
     name = "disc"

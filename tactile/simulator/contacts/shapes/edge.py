@@ -8,7 +8,7 @@ from tactile.simulator.contacts.shapes.cylinder import Cylinder
 from tactile.simulator.contacts.shapes.shape import LineShape
 
 
-class Edge(LineShape):
+class EdgeShape(LineShape):
     """A line of a ``length`` and ``angle``; its indentation is that of a cylinder of its ``radius``."""
 
     name = "edge"

@@ -10,7 +10,7 @@ from tactile.elastic.profiles import FLAT_PUNCH, Profile, punch_force
 from tactile.simulator.contacts.shapes.shape import RoundShape
 
 if TYPE_CHECKING:
-    from tactile.elastic.adhesion import Adhesion
+    from tactile.elastic.adhesion import AdhesionLaw
     from tactile.simulator.contacts.friction import Carry
 
 
@@ -46,7 +46,7 @@ class FlatPunch(RoundShape):
         """Return None: rings keep their force."""
         return None
 
-    def adhesion(self, medium: Medium, work: float, most: float, by_depth: bool) -> "Adhesion":
+    def adhesion(self, medium: Medium, work: float, most: float, by_depth: bool) -> "AdhesionLaw":
         """Return the law of a contact that keeps its width until it snaps off."""
         from tactile.elastic.adhesion import flat_adhesion
 

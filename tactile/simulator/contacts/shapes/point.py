@@ -4,11 +4,11 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.elastic.medium import Medium
-from tactile.simulator.contacts.shapes.shape import Shape
+from tactile.simulator.contacts.shapes.shape import IndenterShape
 from tactile.simulator.contacts.shapes.sphere import Sphere
 
 
-class Point(Shape):
+class PointShape(IndenterShape):
     """A point load, without size."""
 
     name = "point"

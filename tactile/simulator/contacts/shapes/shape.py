@@ -1,4 +1,4 @@
-"""Interface of a shape of indenters: ``Shape``, ``RoundShape`` with a circular contact, ``LineShape``."""
+"""Interface of a shape of indenters: ``IndenterShape``, ``RoundShape`` with a circular contact, ``LineShape``."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
@@ -10,14 +10,14 @@ from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import Profile
 
 if TYPE_CHECKING:
-    from tactile.elastic.adhesion import Adhesion
+    from tactile.elastic.adhesion import AdhesionLaw
     from tactile.elastic.layer_contact import Body
     from tactile.simulator.contacts.friction import Carry
     from tactile.simulator.contacts.shapes.layer_law import LayerLaw
 
 
 @dataclass(frozen=True)
-class Shape:
+class IndenterShape:
     """A rigid body: ``radius`` [m], ``length`` [m] and ``angle`` [rad, from x towards y], 0 where it has none.
 
     ``needs``: sizes that have to be positive; ``has_law``: its force follows from its indentation; ``curved``: a curved
@@ -59,7 +59,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class LineShape(Shape):
+class LineShape(IndenterShape):
     """A shape that presses along a line."""
 
     needs: ClassVar[tuple[str, ...]] = ("length",)
@@ -81,7 +81,7 @@ def growth(force: Floats, new: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class RoundShape(Shape):
+class RoundShape(IndenterShape):
     """A shape whose contact is a circle.
 
     ``pressure`` on the half-space; ``on_layer``: the body of ``layer_contact`` that gives its law on a layer. A shape
@@ -126,7 +126,7 @@ class RoundShape(Shape):
         return self.radius_at_force(force, medium.contact_modulus) if law is None else law.radius(force)
 
     def force_at(self, indentation: Floats, medium: Medium) -> Floats:
-        """Return the normal force [N] at an indentation [m]: see ``Shape.force_at``."""
+        """Return the normal force [N] at an indentation [m]: see ``IndenterShape.force_at``."""
         if not self.has_law:
             return super().force_at(indentation, medium)
         law = self.layer_law(medium)
@@ -142,7 +142,7 @@ class RoundShape(Shape):
         return self.force_at_radius(radius, medium.contact_modulus) if law is None else law.force_on(radius)
 
     def indentation(self, force: Floats, medium: Medium) -> Floats:
-        """Return the indentation [m] under normal forces [N]: see ``Shape.indentation``."""
+        """Return the indentation [m] under normal forces [N]: see ``IndenterShape.indentation``."""
         pressing, law = np.maximum(force, 0), self.layer_law(medium)
         return self.indentation_at_force(pressing, medium.contact_modulus) if law is None else law.indentation(pressing)
 
@@ -167,7 +167,7 @@ class RoundShape(Shape):
         law = self.layer_law(medium)
         return None if law is None else law.carried_over
 
-    def adhesion(self, medium: Medium, work: float, most: float, by_depth: bool) -> "Adhesion":
+    def adhesion(self, medium: Medium, work: float, most: float, by_depth: bool) -> "AdhesionLaw":
         """Return the law of the adhering body: see ``tactile.elastic.adhesion``."""
         from tactile.elastic.adhesion import adhesion
         from tactile.simulator.contacts.shapes.flat_punch import FlatPunch
