@@ -5,8 +5,7 @@ from pathlib import Path
 import click
 
 from cnnsim import library
-from cnnsim.formats.export import KEPT, WRITERS
-from cnnsim.formats.files import READERS, ImportedFile, import_file
+from cnnsim.formats.files import KEPT, READERS, WRITERS, ImportedFile, import_file
 from cnnsim.support import InputError, naming
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.files import check_name, write_text
@@ -82,7 +81,7 @@ def _summary(results: list[ImportedFile]) -> str:
 
 @click.command(
     "export",
-    epilog=examples("cnnsim export edge hole-filler --format tem -o out/", "cnnsim export edge --format gene -o out/"),
+    epilog=examples("cnnsim export edge hole-filler --format tem -o out/", "cnnsim export edge --format json -o out/"),
 )
 @click.argument("names", nargs=-1, required=True)
 @click.option("--format", "kind", type=click.Choice(list(WRITERS)), required=True, help="Format to write.")
@@ -92,7 +91,7 @@ def _summary(results: list[ImportedFile]) -> str:
 def export(context: click.Context, names: tuple[str, ...], kind: str, output: Path, replace: bool) -> None:
     """Write templates of the library in other formats.
 
-    NAMES are written as CANDY .tem, as 19-number genes, or as JSON for celnn.
+    NAMES are written as CANDY .tem or as JSON for celnn.
 
     One that the format cannot hold does not stop the others: it is named, and makes the exit code 2.
     """

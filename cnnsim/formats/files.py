@@ -1,4 +1,4 @@
-"""Imports files of other systems: finds the reader of a file and writes the template files that it stands for."""
+"""Import and export of template files of other systems: the readers and writers by format, and the import of a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -6,11 +6,13 @@ from pathlib import Path
 
 from cnnsim.formats.candy.imported import tem_templates
 from cnnsim.formats.candy.parse import read_tem
-from cnnsim.formats.celnn_json import read_celnn
+from cnnsim.formats.candy.write import entry_to_tem, write_tem
+from cnnsim.formats.celnn_json import celnn, read_celnn
 from cnnsim.formats.cnnsim_text import read_cnnsim
 from cnnsim.formats.defects import defects
 from cnnsim.formats.gene import read_gene
 from cnnsim.formats.matcnn import matcnn_templates, read_matcnn
+from cnnsim.library.entry import LibraryEntry
 from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
 from cnnsim.library.read import load_file
@@ -31,6 +33,15 @@ READERS: dict[str, Callable[[bytes, str, Diagnostics], list[Imported]]] = {
     "gene": read_gene,
     "json": lambda data, _, report: read_celnn(data, report),
 }
+WRITERS: dict[str, Callable[[LibraryEntry], str]] = {
+    "tem": lambda entry: write_tem(entry_to_tem(entry)),
+    "json": lambda entry: celnn(entry.network, entry.summary, entry.tags),
+}
+KEPT: dict[str, str] = {
+    "tem": "numbers, input, initial state, boundary, running time",
+    "json": "numbers, the sign of z changed for black = -1; not the boundary, initial state and running time",
+}
+"""What of a template each format holds."""
 _SUFFIXES = {".tem": "tem", ".m": "matcnn", ".cnnsim": "cnnsim", ".gene": "gene", ".json": "json"}
 _SYSTEMS = {"tem": "CANDY", "matcnn": "MATCNN", "cnnsim": "CNNSim", "gene": "M.Teti", "json": "celnn"}
 _OF_PARTS = {"matcnn", "json"}  # files of many templates: an error in one leaves the others good

@@ -1,4 +1,4 @@
-"""Reads and writes the 19-number gene ``z b1..b9 a1..a9``: bias, control template and feedback template row by row.
+"""Read the 19-number gene ``z b1..b9 a1..a9``: bias, control template and feedback template row by row.
 
 Numbers are separated by blanks, commas or semicolons; ``#`` and ``%`` start comments. A file holds one gene over any
 number of lines, or one gene a line. Source: Chua's CNN genes; github.com/MichaelTeti/CNN_EdgeDetection has this order.
@@ -9,10 +9,10 @@ import re
 import numpy as np
 
 from cnnsim.formats.candy.lines import decode, split
-from cnnsim.library.imported import Imported, assume_setting, library_name, plain
-from cnnsim.network import AnyTemplate, Template
-from cnnsim.support import Diagnostics, Floats, InputError
-from cnnsim.support.numbers import number, written
+from cnnsim.library.imported import Imported, assume_setting, library_name
+from cnnsim.network import Template
+from cnnsim.support import Diagnostics, InputError
+from cnnsim.support.numbers import number
 
 LENGTH = 19
 
@@ -44,22 +44,3 @@ def _imported(gene: list[float], name: str, report: Diagnostics) -> Imported:
     template = Template(a, b, gene[0], name)
     summary = f"The gene {name}; the source does not say what it does."
     return assume_setting(Imported(name, summary, f"Imported from {report.file}", template), report)
-
-
-def gene(template: AnyTemplate) -> str:
-    """Return the gene of a template.
-
-    Raises:
-        InputError: a template of radius 2 or more, or one that is not linear.
-    """
-    template = plain(template, "a gene")
-    if template.radius > 1:
-        raise InputError(f"template {template.name!r} has radius {template.radius}; a gene holds 3 x 3 only")
-    a, b = (_three(matrix) for matrix in (template.A, template.B))
-    return " ".join(map(written, [template.z, *b.ravel(), *a.ravel()])) + "\n"
-
-
-def _three(matrix: Floats) -> Floats:
-    """Return the middle 3 x 3 entries, a smaller matrix with a rim of zeros."""
-    r = matrix.shape[0] // 2
-    return np.pad(matrix, 1) if r == 0 else matrix[r - 1 : r + 2, r - 1 : r + 2]

@@ -1,7 +1,6 @@
 """The long runs that the test suite only samples. Each prints its figures and fails if something was lost unseen.
 
 python -m tests.fuzz.endurance rate --hz 1000 --seconds 60     through a pseudo-terminal into a recording
-python -m tests.fuzz.endurance stages --hz 1000 --seconds 20   the latency by stage
 python -m tests.fuzz.endurance unplug --times 50
 python -m tests.fuzz.endurance kill --times 20 --hz 1000
 python -m tests.fuzz.endurance random --count 1000000          random and mutated bytes, every decoder
@@ -20,7 +19,6 @@ import click
 import numpy as np
 
 from tactile.recording.reader import open_recording
-from tactile.wire.description_file import read_description
 from tactile.wire.registry import NAMES
 from tests.fuzz.random_bytes import random_bytes
 from tests.fuzz.two_ends import busy, emulator, metronome, peak_mib, processor_seconds, reader
@@ -86,25 +84,6 @@ def rate(
         if p99_ms is not None:
             assert [seen[name] for name in ("missing", "bad_checksum", "overflowed")] == [0, 0, 0], "frames were lost"
             assert end["latency"]["latency_p99_s"] * 1e3 < p99_ms
-
-
-@main.command()
-@click.option("--protocol", type=click.Choice(list(NAMES)), default="native")
-@click.option("--hz", type=float, default=1000.0)
-@click.option("--seconds", type=float, default=20.0)
-@click.option("--others", type=int, default=0, help="Processes that compute beside it.")
-def stages(protocol: str, hz: float, seconds: float, others: int) -> None:
-    """Where the time of a frame goes, from its arrival to its printed events."""
-    from tests.fuzz.stages import clocked_run
-
-    with (
-        tempfile.TemporaryDirectory() as name,
-        emulator(Path(name), hz, min(seconds, 4.0), "--loop", protocol=protocol),
-        busy(others),
-    ):
-        folder = Path(name)
-        print(f"{protocol}, {others} other busy processes, load {os.getloadavg()[0]:.1f}")
-        clocked_run(str(folder / "skin"), read_description(folder / "array.toml"), seconds, folder / "s.mcap")
 
 
 @main.command()

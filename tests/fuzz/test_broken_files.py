@@ -1,18 +1,20 @@
-"""No file, however broken or hostile, ends in a traceback, takes 5 seconds or a gigabyte."""
+"""No file, however broken or hostile, ends in a traceback, takes 5 s of the processor or a gigabyte."""
 
-import json
-import mmap
 import os
-import subprocess
-import sys
+import resource
+import signal
 import threading
-import time
-from contextlib import suppress
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from PIL import Image
 
 from cnnsim.cli.group import main as cnnsim
@@ -21,59 +23,108 @@ from cnnsim.support.limits import TAXELS, check_unpacked
 from cnnsim.support.pictures.picture import write_picture
 from tactile.cli.group import main as tactile
 from tactile.core.frame import TaxelArray
-from tests.fuzz.broken_files import PARTS
-from tests.fuzz.guarded import LIMIT, Guard, Verdict
-from tests.fuzz.readers import BY_NAME
-from tests.kits.paths import ROOT, SCENES
+from tests.fuzz.good_files import HUGE, TEXTS, good_files
+from tests.fuzz.hostile_files import hostile_files
+from tests.fuzz.readers import read
+from tests.kits.paths import SCENES
 
-RECORDINGS = (".csv", ".npz", ".npy", ".parquet", ".mcap")
-
-
-@pytest.mark.parametrize("parts", [("bags",), tuple(part for part in PARTS if part != "bags")], ids=["bags", "others"])
-def test_all_readers_take_all_broken_files(parts: tuple[str, ...]) -> None:
-    """Bags in a process of their own: the gigabyte that is theirs has no place for the other readers' libraries."""
-    done = subprocess.run([sys.executable, "-m", "tests.fuzz.taken", "3", *parts], cwd=ROOT, capture_output=True,
-                          text=True, check=False)  # fmt: skip
-    assert done.returncode == 0, done.stderr[-2000:]
-    found = json.loads(done.stdout)
-    bad = [line for one in found.values() for line in one["bad"]]
-    assert not bad, "\n".join(bad[:20])
-    kinds = (
-        {"b.bag", "good.db3", "metadata.yaml"} if parts == ("bags",) else {*BY_NAME, *(f"r{end}" for end in RECORDINGS)}
-    )
-    assert kinds <= set(found)
-    assert all(one["files"] > 9 for name, one in found.items() if not name.startswith("bomb"))
+for library in ("rosbags", "mcap", "pyarrow", "zarr"):
+    pytest.importorskip(library, reason="every reader is tested")
+EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "8"))
+"""Changes of each good file."""
+SECONDS, BYTES = 5, 1000 * 2**20
+"""What no file may take: time of the processor, and memory beyond what the process had."""
 
 
-def test_a_file_that_hangs_or_ends_its_process_costs_itself_alone(tmp_path: Path) -> None:
-    def judge(path: Path) -> Verdict:
-        if path.name == "hang":
-            while True:
-                pass
-        if path.name == "wait":
-            time.sleep(60)
-        if path.name == "end":
-            os._exit(3)
-        if path.name == "large":
-            mmap.mmap(-1, 2**25).write(b"x" * 2**25)  # never memory that was free already
-        if path.name == "huge":
-            bytearray(2 * LIMIT)
-        return Verdict(read=True)
+@st.composite
+def changes(draw: Any, data: bytes, *, text: bool) -> bytes:
+    """Draw a file that is cut short, has bytes replaced, inserted or removed; of a text also a value replaced."""
+    kinds = ["cut", "replace", "insert", "remove", *(["value"] * 4 if text else [])]
+    for _ in range(draw(st.integers(1, 3))):
+        kind, at = draw(st.sampled_from(kinds)), draw(st.integers(0, len(data)))
+        if kind == "value":
+            lines = data.split(b"\n")
+            number = draw(st.integers(0, len(lines) - 1))
+            key, equals, _ = lines[number].partition(b"=")
+            lines[number] = key + equals + draw(st.sampled_from(HUGE)).encode()
+            data = b"\n".join(lines)
+            continue
+        piece = draw(st.binary(max_size=64))
+        after = {"cut": len(data), "replace": at + len(piece), "insert": at, "remove": at + 1 + len(piece)}[kind]
+        data = data[:at] + (piece if kind in ("replace", "insert") else b"") + data[after:]
+    return data
 
-    guard = Guard(judge, slow=0.3, stuck=1.0, large=2**24)
+
+@contextmanager
+def within_limits() -> Iterator[None]:
+    """Fail in a block that takes more of the processor or of the memory than a file may."""
+
+    def late(*_: object) -> None:
+        raise AssertionError(f"more than {SECONDS} s of the processor")
+
+    before, peak = signal.signal(signal.SIGPROF, late), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
-        said = {
-            name: guard.judge(tmp_path / name).faults
-            for name in ("a", "hang", "b", "wait", "end", "large", "huge", "c")
-        }
+        yield
     finally:
-        guard.close()
-    assert [said[name] for name in "abc"] == [[], [], []]
-    assert "s of the processor" in said["hang"][0]
-    assert "not done" in said["wait"][0]
-    assert said["end"] == ["the process ended with 3"]
-    assert "MB" in said["large"][-1]
-    assert said["huge"][0].startswith("the process ended")
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+    assert 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - peak) < BYTES
+
+
+def check_read(path: Path, data: bytes, *, own_process: bool = False) -> None:
+    """Check that a file is read, or refused with a message."""
+    path.write_bytes(data)
+    with within_limits(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            read(path, own_process=own_process)
+        except InputError as error:
+            assert str(error)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, bytes]]:
+    folder = tmp_path_factory.mktemp("good")
+    files = good_files(folder)
+    for name in ("good.db3", *files):  # what a reader loads counts for no file
+        check_read(folder / name, files[name])
+    return folder, files
+
+
+NAMES = (*TEXTS, "r.csv", "r.npz", "r.parquet", "r.mcap", "p.png", "p.gif", "p.bmp", "p.tif", "p.jpg", "p.pgm", "r.npy",
+         "large.npy", "heights.npy", "traction.npy", "body.stl", "model.npz", "slides.npz", "sequences.npz", "b.bag",
+         "good.db3", "metadata.yaml", "film.mp4")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_changed_file_is_read_or_refused(
+    name: str, good: tuple[Path, dict[str, bytes]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CNNSIM_MEMORY", "500M")  # pictures may be as large as the free memory
+    folder, files = good
+    if name not in files:
+        pytest.skip("its library is missing")
+
+    @settings(max_examples=EXAMPLES, deadline=None, derandomize=True, database=None,
+              suppress_health_check=list(HealthCheck))  # fmt: skip
+    @given(changes(files[name], text=name in TEXTS))
+    def run(data: bytes) -> None:
+        check_read(folder / name, data)
+
+    run()
+    (folder / name).write_bytes(files[name])  # a bag and its description are read together
+
+
+def test_hostile_files_are_refused(good: tuple[Path, dict[str, bytes]], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CNNSIM_MEMORY", "500M")
+    folder, files = good
+    for name, data in hostile_files():
+        try:
+            check_read(folder / name, data, own_process=True)
+        except Exception as error:
+            raise AssertionError(f"{name}, {len(data)} bytes: {data[:60]!r}") from error
+        (folder / name).write_bytes(files[name])
 
 
 @pytest.mark.parametrize("command", [

@@ -168,7 +168,7 @@ def test_export_and_import_again(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "kind", "words"),
-    [("muller-lyer", "gene", "3 x 3 only"), ("laplace-solver", "gene", ""), ("edgy", "json", "did you mean")],
+    [("autowave", "json", "not linear"), ("edgy", "json", "did you mean")],
 )
 def test_export_writes_what_can_be_written_and_names_the_rest(tmp_path: Path, name: str, kind: str, words: str) -> None:
     for order in (("edge", name), (name, "edge")):
@@ -181,7 +181,7 @@ def test_export_writes_what_can_be_written_and_names_the_rest(tmp_path: Path, na
 
 
 def test_an_export_of_nothing_makes_no_folder(tmp_path: Path) -> None:
-    assert call("export", "autowave", "--format", "gene", "-o", tmp_path / "out").exit_code == 2
+    assert call("export", "autowave", "--format", "json", "-o", tmp_path / "out").exit_code == 2
     assert not (tmp_path / "out").exists()
 
 

@@ -2,9 +2,8 @@
 
 import pytest
 
-from cnnsim.formats.gene import gene, read_gene
+from cnnsim.formats.gene import read_gene
 from cnnsim.library.imported import plain
-from cnnsim.network import Template
 from cnnsim.support import Diagnostics
 
 GENE = "-1 " + " ".join(map(str, range(1, 10))) + " " + " ".join(map(str, range(11, 20)))
@@ -29,9 +28,3 @@ def test_wrong_genes(text: str) -> None:
     report = Diagnostics("g")
     assert read_gene(text.encode(), "g", report) == []
     assert report.failed
-
-
-def test_small_matrices_sit_in_the_middle_of_a_gene() -> None:
-    assert gene(Template(2, [[0] * 5] * 2 + [[0, 0, 0, 3, 0]] + [[0] * 5] * 2, 1)).split() == list(
-        "1000003000000020000"
-    )

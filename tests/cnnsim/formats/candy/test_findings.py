@@ -6,9 +6,8 @@ from hypothesis import strategies as st
 
 from cnnsim import InputError, library
 from cnnsim.formats.candy.content import Block, Call, FunctionLine, Header, Layer, Section, TemFile
-from cnnsim.formats.candy.entry import entry_to_tem
 from cnnsim.formats.candy.imported import tem_templates
-from cnnsim.formats.candy.write import write_tem
+from cnnsim.formats.candy.write import entry_to_tem, write_tem
 from cnnsim.formats.differences import number_differences
 from cnnsim.network import PERIODIC, ZERO_FLUX, Template, fixed
 from cnnsim.support import Diagnostics
