@@ -64,9 +64,12 @@ class Blocks:
 
 def read_cells(array: Any, rows: Integers, cols: Integers) -> Array:
     """Return the cells of a Zarr array in these rows and columns, read as slices."""
+    down, across = _slices(rows), _slices(cols)
+    if len(down) == len(across) == 1:
+        return array[..., slice(*down[0][1]), slice(*across[0][1])]
     out = np.empty((*array.shape[:-2], len(rows), len(cols)), array.dtype)
-    for (p0, p1), (r0, r1) in _slices(rows):
-        for (q0, q1), (c0, c1) in _slices(cols):
+    for (p0, p1), (r0, r1) in down:
+        for (q0, q1), (c0, c1) in across:
             out[..., p0:p1, q0:q1] = array[..., r0:r1, c0:c1]
     return out
 

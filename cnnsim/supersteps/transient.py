@@ -18,7 +18,7 @@ from cnnsim.result import Result
 from cnnsim.supersteps.block_plan import check_plan
 from cnnsim.supersteps.block_task import MASK, STATE, Place
 from cnnsim.supersteps.blocks import Blocks
-from cnnsim.supersteps.engine import Engine, check_worker_memory, parse_engine, side_of_blocks
+from cnnsim.supersteps.engine import LARGEST, Engine, check_worker_memory, parse_engine, side_of_blocks
 from cnnsim.supersteps.identity import run_identity
 from cnnsim.supersteps.run import STATES, Record, Supersteps
 from cnnsim.supersteps.store import GridStore, zarr_library
@@ -103,18 +103,28 @@ def _steps(
         record = Record(**store.record)
         engine.side_of_store(folder, record.side)
     check_worker_memory(engine, plan, record.side, shape, where.dtype, set(planes), where.name, workers.count)
-    names = {name: STATES[0] if name == STATE else name for name in planes}
+    paths = {name: _in_place(plane, shape, where.dtype) for name, plane in planes.items() if engine.name == "processes"}
+    new = {name: folder / (STATES[0] if name == STATE else name) for name in planes}
+    paths = {name: paths.get(name) or new[name] for name in planes}
+    if planes.get("input") is planes[STATE]:  # one array for both
+        paths[STATE] = paths["input"]
     if store.record is None:
         blocks = Blocks(plan.shape, record.side, plan.boundary)
         try:
-            for name, plane in planes.items():
-                store.write_plane(names[name], plane, shape, where.dtype, blocks, logic=name == MASK)
+            for name in planes:
+                if paths[name] == new[name]:
+                    store.write_plane(new[name].name, planes[name], shape, where.dtype, blocks, logic=name == MASK)
             store.commit(vars(record))
         except OSError as error:
             raise InputError(f"{folder}: {error.strerror or error}; space for the planes wanted") from error
-    return Supersteps(
-        plan, store, record, {name: folder / names[name] for name in planes}, place, engine, workers, skip
-    )
+    return Supersteps(plan, store, record, paths, place, engine, workers, skip)
+
+
+def _in_place(plane: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Path | None:
+    """Return the path of a Zarr array on this machine whose chunks the workers can read as they are, else None."""
+    if not is_stored(plane) or not hasattr(plane.store, "root") or plane.dtype != dtype or plane.shape != shape:
+        return None
+    return (Path(plane.store.root) / plane.path).absolute() if max(plane.chunks[-2:]) <= LARGEST else None
 
 
 @contextmanager
