@@ -24,21 +24,16 @@ from cnnsim.backends.base import (
 from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
-from cnnsim.backends.cpu.block import advanced
 from cnnsim.backends.cpu.boundary import virtual_cells
+from cnnsim.backends.cpu.compiled import Kernel, cache_folder
 from cnnsim.backends.cpu.drive import control, controlling
-from cnnsim.backends.cpu.jit.compile import Kernel, cache_folder
 from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
 from cnnsim.backends.cpu.prepared import Prepared
 from cnnsim.backends.cpu.routine import MOST_CELLS, CompiledRoutine
-from cnnsim.backends.cpu.terms.network import CompiledNetwork, with_control_terms
-from cnnsim.backends.cpu.terms.steps import CompiledDiscreteSteps, CompiledTermSteps
 from cnnsim.backends.cpu.threads import checked_threads, keep_to
-from cnnsim.backends.cpu.tiles.sleep import E_FOLDS
-from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK
-from cnnsim.backends.cpu.transient import by_tiles, check_free, over_area
+from cnnsim.backends.cpu.tiles.network import DiscreteSteps, Network, TermNetwork, TermSteps, with_control_terms
 from cnnsim.backends.slices import EXPONENTIALS, pieces
 from cnnsim.network import Boundary, Characteristic
 from cnnsim.network.characteristic import CLIP
@@ -116,12 +111,12 @@ class CpuBackend(BlockBackend):
     ) -> Outcome:
         check_fixed_step(plan)
         if plan.method == "general":
-            network = CompiledNetwork(plan, x, u, bias, None if mask is None else mask.words)
+            network = TermNetwork(plan, x, u, bias, None if mask is None else mask.words)
             with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
                 steps = (
-                    CompiledDiscreteSteps(network, None if mask is None else self._held(mask))
+                    DiscreteSteps(network, None if mask is None else self._held(mask))
                     if plan.cell == "discrete-time"
-                    else CompiledTermSteps(network)
+                    else TermSteps(network)
                 )
                 outcome = driver.run(plan, steps, network.spans())
         else:
@@ -136,7 +131,10 @@ class CpuBackend(BlockBackend):
                     check_finite(end, ready.t)
                 return Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
             w = self._drive(plan, ready, x, u, bias)
-            outcome = by_tiles(plan, ready, x, w, None if mask is None else mask.words, self._pool)
+            if mask is None and ready.fuses:
+                outcome = ready.euler.run(plan, x, w, self._pool)
+            else:
+                outcome = driver.run(plan, TermSteps(Network(plan, x, w, None if mask is None else mask.words)))
             self._pool.keep(w)
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)
@@ -165,42 +163,16 @@ class CpuBackend(BlockBackend):
 
     def check(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Bits | None, area: Area) -> Check:
         check_fixed_step(plan)
-        if plan.method != "general" and mask is None:
-            ready = self._ready(plan)
-            if ready.is_euler:
-                w = self._drive(plan, ready, x, u, bias)
-                found = over_area(plan, ready, x, x, w, area, CHECK, 0)
-                self._pool.keep(w)
-                return found
         held = outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool)))
         if plan.method == "general":
-            steps = CompiledTermSteps(CompiledNetwork(plan, x, u, bias, self._pack(held).words))
+            steps = TermSteps(TermNetwork(plan, x, u, bias, self._pack(held).words))
             steps.start_span(0)
             return steps.check_settled(0, last=True)
         ready = self._ready(plan)
         w = self._drive(plan, ready, x, u, bias)
-        found = check_free(plan, ready, x, w, self._pack(held).words)
+        found = TermSteps(Network(plan, x, w, self._pack(held).words)).check_settled(0, last=True)
         self._pool.keep(w)
         return found
-
-    def catch_up(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
-        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).is_euler:
-            return None
-        w, end = self._drive(plan, ready, x, u, bias), x.copy()
-        over_area(plan, ready, x, end, w, area, CATCH_UP, min(steps, math.ceil(E_FOLDS / plan.step)))
-        self._pool.keep(w)
-        return end
-
-    def advance(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Any, area: Area, steps: int) -> Array | None:
-        if plan.method == "general" or mask is not None or not (ready := self._ready(plan)).is_euler or not steps:
-            return None
-        w = self._drive(plan, ready, x, u, bias)
-        end = advanced(plan, ready, x, w, area, steps, self._pool)
-        self._pool.keep(w)
-        return end
-
-    def take_back(self, plane: Array) -> None:
-        self._pool.keep(plane)
 
     def _ready(self, plan: Plan) -> Prepared:
         ready = self._prepared.get(plan)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.compiled import helper
 from cnnsim.network import Boundary
 from cnnsim.network.boundary import virtual_index
 from cnnsim.support import Array

@@ -7,9 +7,8 @@ from numba import prange
 
 from cnnsim.backends.cpu.boundary import VirtualCells
 from cnnsim.backends.cpu.boundary import cell as cell_of
+from cnnsim.backends.cpu.compiled import helper, reordered, twins, uncounted
 from cnnsim.backends.cpu.drive import Control, control_row
-from cnnsim.backends.cpu.jit.address import uncounted
-from cnnsim.backends.cpu.jit.compile import helper, reordered, twins
 from cnnsim.backends.cpu.planes import all_true, finite_row
 from cnnsim.support import Array
 

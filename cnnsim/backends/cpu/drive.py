@@ -8,9 +8,7 @@ import numpy as np
 from numba import prange, types
 
 from cnnsim.backends.cpu.boundary import VirtualCells, cell, real_row, virtual_cells
-from cnnsim.backends.cpu.jit.address import call, compiled_at
-from cnnsim.backends.cpu.jit.columns import tap_type
-from cnnsim.backends.cpu.jit.compile import helper, twins
+from cnnsim.backends.cpu.compiled import call, compiled_at, helper, tap_type, twins
 from cnnsim.network import ZERO_FLUX
 from cnnsim.support import Array
 

@@ -5,7 +5,7 @@ from numba import prange
 
 from cnnsim.backends.cpu.bits import last_word
 from cnnsim.backends.cpu.boundary import VirtualCells, packed_cell, real_row
-from cnnsim.backends.cpu.jit.compile import helper, twins
+from cnnsim.backends.cpu.compiled import helper, twins
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.support import Array
 

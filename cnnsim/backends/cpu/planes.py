@@ -6,7 +6,7 @@ Plain loops for what NumPy does in a word: each of its words takes numba up to t
 import numpy as np
 from numba import prange
 
-from cnnsim.backends.cpu.jit.compile import helper, twins
+from cnnsim.backends.cpu.compiled import helper, twins
 from cnnsim.support import Array
 
 

@@ -12,8 +12,7 @@ from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
 from cnnsim.backends.cpu.boundary import virtual_cells
-from cnnsim.backends.cpu.jit.columns import tap_records, tap_type
-from cnnsim.backends.cpu.jit.compile import kernel
+from cnnsim.backends.cpu.compiled import kernel, tap_records, tap_type
 from cnnsim.backends.cpu.neighbourhood import LITERAL, literals, neighbourhood
 from cnnsim.network import reach
 from cnnsim.operations.routine import Op, Routine, Stores

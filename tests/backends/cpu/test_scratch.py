@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cnnsim.backends.cpu.jit.compile import kernel
+from cnnsim.backends.cpu.compiled import kernel
 from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
 from cnnsim.backends.cpu.tiles.scratch import clear
 from cnnsim.support import Array

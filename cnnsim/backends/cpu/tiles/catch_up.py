@@ -1,25 +1,24 @@
-"""Steps that a sleeping tile missed, taken at once: its cells go towards drives that stayed, x <- x + h (drive - x).
+"""Steps that a sleeping tile missed, taken at once: its cells approach constant drives, x <- x + h (drive - x).
 
-Cells with the same state and the same drive go the same way, and in a tile that sleeps there are few such pairs: in
-black and white as many as a neighbourhood has sums. So the way of a pair is gone once, and its end is looked up for the
-others. Steps follow one another, so the few pairs of a vector cost what one cell does.
+Cells with the same state and the same drive go the same way, and a sleeping tile has few such pairs: in black and white
+as many as a neighbourhood has sums. The way of a pair is computed once, and the other cells take its end.
 """
 
 import numpy as np
 
-from cnnsim.backends.cpu.jit.compile import fused, helper
+from cnnsim.backends.cpu.compiled import fused, helper
+from cnnsim.backends.cpu.tiles.functions import copy_row
 from cnnsim.backends.cpu.tiles.rows import BLOCK, PAD, STRIDE
 from cnnsim.support import Array
 
 PAIRS = PAD
-"""Pairs that are kept: a vector of float32, and more than there are sums of eight neighbours of one colour."""
+"""Pairs that are kept: a vector of float32, and more than the sums of eight neighbours of one colour."""
 
 
-def _go(x: Array, drive: Array, first: int, after: int, h: float, steps: int) -> None:
-    """Take so many steps of some cells, until no bit changes any more."""
+def _go(x: Array, drive: Array, h: float, steps: int) -> None:
     for _ in range(steps):
         changes = np.int32(0)
-        for j in range(first, after):
+        for j in range(x.size):
             v = x[j] + h * (drive[j] - x[j])
             changes += np.int32(v != x[j])
             x[j] = v
@@ -27,24 +26,25 @@ def _go(x: Array, drive: Array, first: int, after: int, h: float, steps: int) ->
             break
 
 
-go_fused, go_exact = fused(_go), helper(_go)
+_go_fused, _go_exact = fused(_go), helper(_go)
 
 
 @helper
-def _go_on(x: Array, drive: Array, first: int, after: int, h: float, steps: int) -> None:
+def _go_on(x: Array, drive: Array, h: float, steps: int) -> None:
+    """Take steps of some cells, until no bit changes any more."""
     if x.itemsize == 4:
-        go_fused(x, drive, first, after, h, steps)
+        _go_fused(x, drive, h, steps)
     else:
-        go_exact(x, drive, first, after, h, steps)
+        _go_exact(x, drive, h, steps)
 
 
 @helper
-def _look_up(x: Array, drive: Array, pairs: Array, count: int, ends: Array, n: int) -> int:
-    """Write the ends of the cells whose pairs are known; return how many they are."""
+def _look_up(x: Array, drive: Array, pairs: Array, count: int, ends: Array) -> int:
+    """Write the ends of the cells whose pairs are known; return their number."""
     hits = np.int32(0)
     for k in range(count):
         of, to, end = pairs[k], pairs[PAIRS + k], pairs[2 * PAIRS + k]
-        for j in range(n):
+        for j in range(x.size):
             same = (x[j] == of) & (drive[j] == to)
             ends[j] = end if same else ends[j]
             hits += np.int32(same)
@@ -52,9 +52,9 @@ def _look_up(x: Array, drive: Array, pairs: Array, count: int, ends: Array, n: i
 
 
 @helper
-def _add(x: Array, drive: Array, pairs: Array, count: int, n: int) -> int:
-    """Add the pairs of a row that are not known; return how many there are then, `PAIRS` + 1 if they are too many."""
-    for j in range(n):
+def _add(x: Array, drive: Array, pairs: Array, count: int) -> int:
+    """Add the unknown pairs of a row; return the number of pairs, `PAIRS` + 1 if they are too many."""
+    for j in range(x.size):
         known = False
         for k in range(count):
             known |= (x[j] == pairs[k]) & (drive[j] == pairs[PAIRS + k])
@@ -68,24 +68,22 @@ def _add(x: Array, drive: Array, pairs: Array, count: int, n: int) -> int:
 
 
 @helper
-def catch_up_block(
-    scratch: Array, at_x: int, at_drive: int, at_pairs: int, at_row: int, n: int, h: float, steps: int, count: int
-) -> int:
-    """Take the steps that a block has slept through, with the rounding of every single one.
+def catch_up_block(xs: Array, drives: Array, pairs: Array, ends: Array, h: float, steps: int, count: int) -> int:
+    """Take the missed steps of a block of rows, with the rounding of every single one.
 
-    ``at_pairs`` has the states, drives and ends of ``count`` pairs of these steps; returns how many there are then.
+    ``pairs`` has the states, drives and ends of ``count`` pairs; the new number of pairs is returned. ``ends`` is a row
+    of scratch memory as long as the rows of the block.
     """
-    pairs, ends = scratch[at_pairs : at_pairs + 3 * PAIRS], scratch[at_row : at_row + n]
+    n = ends.size
     for q in range(0, BLOCK * STRIDE, STRIDE):
-        x, drive = scratch[at_x + q : at_x + q + n], scratch[at_drive + q : at_drive + q + n]
-        if _look_up(x, drive, pairs, count, ends, n) < n:
-            now = _add(x, drive, pairs, count, n)
+        x, drive = xs[q : q + n], drives[q : q + n]
+        if _look_up(x, drive, pairs, count, ends) < n:
+            now = _add(x, drive, pairs, count)
             if now > PAIRS:
-                _go_on(x, drive, 0, n, h, steps)
+                _go_on(x, drive, h, steps)
                 continue
-            _go_on(pairs[2 * PAIRS :], pairs[PAIRS:], count, now, h, steps)
+            _go_on(pairs[2 * PAIRS + count : 2 * PAIRS + now], pairs[PAIRS + count : PAIRS + now], h, steps)
             count = now
-            _look_up(x, drive, pairs, count, ends, n)
-        for j in range(n):
-            x[j] = ends[j]
+            _look_up(x, drive, pairs, count, ends)
+        copy_row(x, ends)
     return count

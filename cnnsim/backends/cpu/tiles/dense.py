@@ -1,71 +1,68 @@
-"""Transients of whole grids, tile by tile, several steps a pass."""
+"""Euler transients of whole grids, tile by tile, several steps a pass."""
 
 import numpy as np
 from numba import prange
 
-from cnnsim.backends.cpu.jit.address import call
-from cnnsim.backends.cpu.jit.compile import twins
-from cnnsim.backends.cpu.tiles.grid import Feedback, Schedule, Tiling, levels_of, steps_of_pass, tile_area, tile_count
-from cnnsim.backends.cpu.tiles.position import BEGIN, END, MEASURE, STEP, Fields, Position, phase_at
-from cnnsim.backends.cpu.tiles.scratch import clear, tile_cells, tile_layout
-from cnnsim.backends.cpu.tiles.settled import MOVING, UNSATURATED, largest_rate, start_check, total
+from cnnsim.backends.cpu.compiled import call, twins
+from cnnsim.backends.cpu.tiles.check import FIGURES, all_saturated, largest_of, start_check
+from cnnsim.backends.cpu.tiles.grid import Feedback, Schedule, Tiling, steps_of_pass, tile_area, tile_count
+from cnnsim.backends.cpu.tiles.scratch import clear
+from cnnsim.backends.cpu.tiles.stream import CHECK, stream_cells
 from cnnsim.support import Array
+
+Position = tuple[int, int, int, bool, bool]
+"""State of a transient between two slices: the steps done; where the state is (0: in the given plane, 1 or 2: in the
+planes between which the steps alternate); the next tile of the pass; whether the state has been checked; whether the
+transient has ended."""
+START: Position = 0, 0, 0, False, False
 
 
 @twins
 def dense(
-    planes: tuple[Array, Array, Array, Array, Array], feedback: Feedback, tiles: Tiling, schedule: Schedule,
-    found: Array, position: Position, most: int,
-) -> tuple[Fields, bool, float]:  # fmt: skip
-    """Run a slice of the transient of n grids, at least ``most`` steps of a tile, from ``position`` on.
+    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule,
+    position: Position, most: int,
+) -> tuple[Position, bool, float]:  # fmt: skip
+    """Run a slice of the transient of n grids, at least ``most`` steps of a tile, from a position.
 
-    ``planes`` (n, rows, cols) are x, two between which the steps go by turns, w, and the words of the mask (without
-    cells: none). The address of ``tiles`` is that
-    of `tile.stream`. ``found`` has a row for each thread. Returns the new position (END: the transient has ended),
-    whether all grids have settled, and the largest |dx/dt|: at the end and once a slice, NaN without a check.
+    ``planes`` (n, rows, cols) are x, two between which the steps alternate, and w. The address of ``tiling`` is that of
+    `stream`. Return the new position, whether all grids have settled, and the largest |dx/dt| of the last check.
 
-    The checks stand in this compiled loop and not in `driver.run`: calls from Python would cost 3 us for every check,
-    24 us for the eight checks of an 8 x 8 grid that settles after seven time constants, in 23 us as it is.
+    The checks are in this compiled loop and not in `driver.run`: eight checks of an 8 x 8 grid that settles after seven
+    time constants would take as long as the rest of the transient.
     """
-    x, first, second, w, mask = planes
-    address, depth, height, width, threads = tiles
-    _, _, rest, freezes = schedule
-    done, where, phase, next_tile, _, _ = position
-    count, r, lives = tile_count(x.shape, height, width), feedback[4], feedback[8]
-    scratches = np.empty((threads, tile_cells(levels_of(depth, feedback), r, lives)), x.dtype)
+    x, first, second, w = planes
+    address, depth, height, width, threads = tiling
+    steps, check_every, rest, freezes = schedule
+    done, where, tile, checked, ended = position
+    count, r, settled, rate, left = tile_count(x.shape, height, width), feedback[4], False, np.nan, most
+    found, scratches = np.empty((threads, FIGURES)), np.empty((threads, stream_cells(depth, r)), x.dtype)
     for thread in range(threads):
-        clear(scratches[thread], min(width, x.shape[2]) + 2 * levels_of(depth, feedback) * r)
-    looking, largest, settled, left = phase != BEGIN, np.nan, False, most
-    if phase == BEGIN:
-        phase = phase_at(done, schedule)
-    while phase != END and left > 0:
-        checks = phase != STEP
-        now = 1 if checks else steps_of_pass(done, depth, schedule)
-        measure = phase == MEASURE or (looking and next_tile == 0)
+        start_check(found[thread])
+        clear(scratches[thread], min(width, x.shape[2]) + 2 * depth * r)
+    while not ended and left > 0:
+        check = check_every > 0 and not checked and (done % check_every == 0 or done == steps)
+        if done == steps and not check:
+            ended = True
+            continue
+        now = CHECK if check else steps_of_pass(done, depth, schedule)
         source = x if where == 0 else first if where == 1 else second
         target = second if where == 1 else first
-        stop = min(count, next_tile + max(threads, left // now))
+        stop = count if check else min(count, tile + max(threads, left // now))
         for thread in prange(threads):
-            scratch, at = scratches[thread], tile_layout(scratches[thread], levels_of(now, feedback), r, lives)
-            if next_tile == 0:
-                start_check(found[thread])
-            for tile in range(next_tile + thread * (stop - next_tile) // threads,
-                              next_tile + (thread + 1) * (stop - next_tile) // threads):  # fmt: skip
-                g, area = tile_area(tile, x.shape, height, width)
-                call(address, (source[g], w[g], mask[g], target[g], feedback, now, area, scratch, at, checks, rest,
-                               measure, found[thread]))  # fmt: skip
-        left -= now * (stop - next_tile)
-        next_tile = stop
-        if stop < count:
+            for each in range(tile + thread * (stop - tile) // threads, tile + (thread + 1) * (stop - tile) // threads):
+                g, area = tile_area(each, x.shape, height, width)
+                call(address, ((source[g], w[g], target[g]), feedback, now, area, scratches[thread], found[thread]))
+        left -= max(1, now) * (stop - tile)
+        tile = stop
+        if tile < count:
             continue
-        next_tile = 0
-        if checks:
-            settled = total(found, MOVING) == 0 or (freezes and total(found, UNSATURATED) == 0)
-            if measure:
-                largest, looking = largest_rate(found), False
-            phase = END if phase == MEASURE else MEASURE if settled else STEP
+        tile = 0
+        if check:
+            rate, checked = largest_of(found), True
+            settled = x.dtype.type(rate) <= rest or (freezes and all_saturated(found))
+            ended = settled or done == steps
+            for thread in range(threads):
+                start_check(found[thread])
         else:
-            done += now
-            where = 2 if where == 1 else 1
-            phase = phase_at(done, schedule)
-    return (done, where, phase, next_tile, 0, 0), settled, largest
+            done, where, checked = done + now, 2 if where == 1 else 1, False
+    return (done, where, tile, checked, ended), settled, rate

@@ -1,8 +1,11 @@
-"""Groups of numbers for the Euler loops: tiles of a grid, a template's feedback, the schedule of checks."""
+"""Parameters of the Euler loops: tiles of a grid, a template's feedback, the schedule of checks.
+
+Python passes them as bare tuples in this order: numba takes 1.2 us to look up the class of each NamedTuple.
+"""
 
 from typing import Any, NamedTuple
 
-from cnnsim.backends.cpu.jit.compile import helper
+from cnnsim.backends.cpu.compiled import helper
 from cnnsim.support import Array
 
 
@@ -15,36 +18,24 @@ class Area(NamedTuple):
     c1: int
 
 
-class Edge(NamedTuple):
-    """What lies around the grid, ``r`` cells deep: a `BoundaryCode`, and what fixed virtual cells hold."""
-
-    r: int
-    code: int
-    constant: Any
-
-
 class Feedback(NamedTuple):
-    """A template's feedback: the address of its innermost ``loop``, its taps as records, the nine middle entries of A,
-    the length of a step, and the fields of the `Edge` of the grid (threaded loops take no group within a group).
+    """Feedback of a linear template.
 
-    A step of so many ``stages`` has its scheme's table in place of the entries of A (0: a fused Euler step); ``lives``
-    are the sets of live rows that it needs (see `TileLayout`), ``limited`` is whether states stay within +-1.
+    The address of its innermost ``loop``, its taps as records, the nine middle entries of A, the length h of a step;
+    its radius, the `BoundaryCode`, and the output of fixed virtual cells.
     """
 
     loop: int
     taps: Array
-    numbers: Array
+    square: Array
     h: Any
     r: int
     code: int
     constant: Any
-    stages: int
-    lives: int
-    limited: bool
 
 
 class Tiling(NamedTuple):
-    """How a grid is worked through: the address of what steps a tile, steps a pass, rows and columns, threads."""
+    """The address of the function that steps a tile, steps a pass, rows and columns of a tile, threads."""
 
     address: int
     depth: int
@@ -54,20 +45,14 @@ class Tiling(NamedTuple):
 
 
 class Schedule(NamedTuple):
-    """When to stop: at most so many steps, with a check every so many (0: never), for rates of ``rest`` or less, or
-    (``freezes``) when all cells are saturated for good.
+    """The most steps, steps between two checks (0: none), the rate of a network at rest, and whether a network also
+    ends when all cells are saturated for good.
     """
 
     steps: int
     check_every: int
-    rest: float
+    rest: Any
     freezes: bool
-
-
-@helper
-def levels_of(steps: int, feedback: Feedback) -> int:
-    """Return how many levels the rows of a tile go through in so many steps: one a stage."""
-    return steps * max(1, feedback[7])
 
 
 @helper
@@ -80,7 +65,7 @@ def steps_of_pass(done: int, depth: int, schedule: Schedule) -> int:
 
 @helper
 def tile_count(shape: tuple[int, int, int], height: int, width: int) -> int:
-    """Return into how many tiles n grids are cut."""
+    """Return the number of tiles of n grids."""
     n, rows, cols = shape
     return n * ((rows + height - 1) // height) * ((cols + width - 1) // width)
 

@@ -1,16 +1,25 @@
-"""One Euler step of a block of rows, its data in the first-level cache: the innermost loops of the CPU backend.
+"""Innermost loops of the CPU backend: one Euler step of blocks of rows whose data is in the first-level cache.
 
-Everything lies in one flat array, ``scratch``; x, w, y and ``out`` say where a block begins, and row q of it begins at
-q * STRIDE. With a stride known to the compiler, all rows of a block are one memory range to it, so that few checks for
-overlap are left and the loops become vector code. One array, because every slice that is handed to another function
-costs two atomic instructions for its reference count; it is handed over once for each of its uses, because parts of
-one array are not checked for overlap but taken to overlap. Rows of outputs ``y`` begin PAD cells before their first
-column, where the virtual cells on the left fit in.
+x, w, y and ``out`` are pointers; row q of each begins q * STRIDE cells after the first. With a stride that the compiler
+knows, the rows of a block are one memory range to it, so that few checks for overlap remain and the loops become vector
+code. Rows of outputs ``y`` begin PAD cells before their first column, where the virtual cells on the left fit in.
 
     total = w + sum of the taps in their order,    x <- x + h (total - x),    new y = clip(x, -1, 1)
+
+In float32 a product and a sum may become one rounding (FMA); float64 has the rounding of the reference. All four loops
+take the same arguments, because they are called by their address: ``square`` the nine middle entries of A, or any
+``taps`` of radius r, a ``row`` of scratch memory, and the number of ``blocks``.
 """
 
-from cnnsim.backends.cpu.jit.compile import fused, helper
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+from numba import carray, types
+
+from cnnsim.backends.cpu.compiled import Kernel, call, compiled_at, helper, pointer, pointer_type, tap_type
+from cnnsim.backends.cpu.tiles.functions import min_max
 from cnnsim.support import Array
 
 BLOCK = 4
@@ -23,25 +32,29 @@ PAD = 16
 
 
 @helper
-def min_max(v: float, one: float) -> float:
-    """Return clip(v, -1, 1); NaN stays NaN."""
-    v = one if v > one else v
-    return -one if v < -one else v
+def _cells(x: Any, w: Any, y: Any, out: Any, square: Any, blocks: int) -> tuple[Array, Array, Array, Array, Array]:
+    size = blocks * BLOCK * STRIDE
+    return (
+        carray(x, (size,)),
+        carray(w, (size,)),
+        carray(y, (size + 2 * STRIDE,)),
+        carray(out, (size,)),
+        carray(square, (9,)),
+    )
 
 
-@fused
 def nine_taps(
-    x: Array, at_x: int, w: Array, at_w: int, y: Array, at_y: int, out: Array, at_out: int, n: int, a: Array, at_a: int,
-    h: float, blocks: int,
+    x: Any, w: Any, y: Any, out: Any, n: int, square: Any, taps: Any, tap_count: int, r: int, row: Any, h: float,
+    blocks: int,
 ) -> None:  # fmt: skip
-    """Step ``blocks`` blocks by a 3 x 3 matrix whose nine entries begin at ``at_a``."""
-    a = a[at_a : at_a + 9]
+    """Step by a 3 x 3 matrix."""
+    x, w, y, out, a = _cells(x, w, y, out, square, blocks)
     a0, a1, a2, a3, a4, a5, a6, a7, a8 = a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]
     one = x.dtype.type(1)
     for first in range(0, blocks * BLOCK * STRIDE, BLOCK * STRIDE):
-        xs, ws = x[at_x + first : at_x + first + BLOCK * STRIDE], w[at_w + first : at_w + first + BLOCK * STRIDE]
-        ys = y[at_y + first : at_y + first + (BLOCK + 2) * STRIDE]
-        outs = out[at_out + first : at_out + first + BLOCK * STRIDE]
+        xs, ws = x[first : first + BLOCK * STRIDE], w[first : first + BLOCK * STRIDE]
+        ys = y[first : first + (BLOCK + 2) * STRIDE]
+        outs = out[first : first + BLOCK * STRIDE]
         for j in range(n):
             i = j + PAD
             l0, m0, r0 = ys[i - 1], ys[i], ys[i + 1]
@@ -90,19 +103,18 @@ def nine_taps(
             outs[i + 3 * STRIDE] = min_max(x3, one)
 
 
-@fused
 def cross(
-    x: Array, at_x: int, w: Array, at_w: int, y: Array, at_y: int, out: Array, at_out: int, n: int, a: Array, at_a: int,
-    h: float, blocks: int,
+    x: Any, w: Any, y: Any, out: Any, n: int, square: Any, taps: Any, tap_count: int, r: int, row: Any, h: float,
+    blocks: int,
 ) -> None:  # fmt: skip
-    """Step ``blocks`` blocks by a 3 x 3 matrix with nothing in its corners."""
-    a = a[at_a : at_a + 9]
+    """Step by a 3 x 3 matrix with nothing in its corners."""
+    x, w, y, out, a = _cells(x, w, y, out, square, blocks)
     a1, a3, a4, a5, a7 = a[1], a[3], a[4], a[5], a[7]
     one = x.dtype.type(1)
     for first in range(0, blocks * BLOCK * STRIDE, BLOCK * STRIDE):
-        xs, ws = x[at_x + first : at_x + first + BLOCK * STRIDE], w[at_w + first : at_w + first + BLOCK * STRIDE]
-        ys = y[at_y + first : at_y + first + (BLOCK + 2) * STRIDE]
-        outs = out[at_out + first : at_out + first + BLOCK * STRIDE]
+        xs, ws = x[first : first + BLOCK * STRIDE], w[first : first + BLOCK * STRIDE]
+        ys = y[first : first + (BLOCK + 2) * STRIDE]
+        outs = out[first : first + BLOCK * STRIDE]
         for j in range(n):
             i = j + PAD
             m0 = ys[i]
@@ -127,19 +139,18 @@ def cross(
             outs[i + 3 * STRIDE] = min_max(x3, one)
 
 
-@fused
 def isotropic(
-    x: Array, at_x: int, w: Array, at_w: int, y: Array, at_y: int, out: Array, at_out: int, n: int, a: Array, at_a: int,
-    h: float, blocks: int,
+    x: Any, w: Any, y: Any, out: Any, n: int, square: Any, taps: Any, tap_count: int, r: int, row: Any, h: float,
+    blocks: int,
 ) -> None:  # fmt: skip
-    """Step ``blocks`` blocks by a 3 x 3 matrix with one number in its corners and one on its edges."""
-    a = a[at_a : at_a + 9]
+    """Step by a 3 x 3 matrix with one number in its corners and one on its edges."""
+    x, w, y, out, a = _cells(x, w, y, out, square, blocks)
     corner, edge, centre = a[0], a[1], a[4]
     one = x.dtype.type(1)
     for first in range(0, blocks * BLOCK * STRIDE, BLOCK * STRIDE):
-        xs, ws = x[at_x + first : at_x + first + BLOCK * STRIDE], w[at_w + first : at_w + first + BLOCK * STRIDE]
-        ys = y[at_y + first : at_y + first + (BLOCK + 2) * STRIDE]
-        outs = out[at_out + first : at_out + first + BLOCK * STRIDE]
+        xs, ws = x[first : first + BLOCK * STRIDE], w[first : first + BLOCK * STRIDE]
+        ys = y[first : first + (BLOCK + 2) * STRIDE]
+        outs = out[first : first + BLOCK * STRIDE]
         for j in range(n):
             i = j + PAD
             y0, y1, y2 = ys[i], ys[i + STRIDE], ys[i + 2 * STRIDE]
@@ -166,44 +177,46 @@ def isotropic(
             outs[i + 3 * STRIDE] = min_max(x3, one)
 
 
-def _drive_row(scratch: Array, at_w: int, at_y: int, taps: Array, r: int, at_total: int, n: int) -> None:
-    """Write w + A*y of one row, where ``at_y`` is the row r above it."""
-    total, row = scratch[at_total : at_total + n], scratch[at_w : at_w + n]
-    for j in range(n):
-        total[j] = row[j]
-    for tap in range(taps.size):
-        first = at_y + (r + taps[tap]["k"]) * STRIDE + PAD + taps[tap]["l"]
-        line = scratch[first : first + n]
-        c = taps[tap]["weight"]
+def any_taps(
+    x: Any, w: Any, y: Any, out: Any, n: int, square: Any, taps: Any, tap_count: int, r: int, row: Any, h: float,
+    blocks: int,
+) -> None:  # fmt: skip
+    """Step by any taps of radius r."""
+    size = blocks * BLOCK * STRIDE
+    x, w, out = carray(x, (size,)), carray(w, (size,)), carray(out, (size,))
+    y, taps, total = carray(y, (size + 2 * r * STRIDE,)), carray(taps, (tap_count,)), carray(row, (n,))
+    one = x.dtype.type(1)
+    for o in range(0, size, STRIDE):
+        xs, ws, outs = x[o : o + n], w[o : o + n], out[o + PAD : o + PAD + n]
         for j in range(n):
-            total[j] += c * line[j]
+            total[j] = ws[j]
+        for tap in range(taps.size):
+            first = o + (r + taps[tap]["k"]) * STRIDE + PAD + taps[tap]["l"]
+            ys, c = y[first : first + n], taps[tap]["weight"]
+            for j in range(n):
+                total[j] += c * ys[j]
+        for j in range(n):
+            xs[j] += h * (total[j] - xs[j])
+        for j in range(n):
+            outs[j] = min_max(xs[j], one)
 
 
-def _finish_row(scratch: Array, at_x: int, at_total: int, at_out: int, n: int, h: float) -> None:
-    """Go from A*y + w to the new state and its output."""
-    x, total, out = scratch[at_x : at_x + n], scratch[at_total : at_total + n], scratch[at_out : at_out + n]
-    one = scratch.dtype.type(1)
-    for j in range(n):
-        x[j] += h * (total[j] - x[j])
-    for j in range(n):
-        out[j] = min_max(x[j], one)
-
-
-drive_row_fused, finish_row_fused = fused(_drive_row), fused(_finish_row)
-drive_row_exact, finish_row_exact = helper(_drive_row), helper(_finish_row)
+@cache
+def loop(kind: Kernel, dtype: np.dtype[Any]) -> Any:
+    """Return one of the four loops, compiled for a dtype."""
+    integer, cells, taps = types.int64, pointer_type(dtype), pointer_type(tap_type(dtype))
+    signature = types.void(
+        cells, cells, cells, cells, integer, cells, taps, integer, integer, cells, numba.from_dtype(dtype), integer
+    )
+    return compiled_at(kind, signature, **({"fastmath": {"contract"}} if dtype == np.float32 else {}))
 
 
 @helper
-def any_taps(
-    scratch: Array, at_x: int, at_w: int, at_y: int, at_out: int, n: int, taps: Array, r: int, at_row: int, h: float,
+def step_blocks(
+    address: int, square: Array, taps: Array, r: int, rows: tuple[Array, Array, Array, Array, Array], n: int, h: float,
     blocks: int,
 ) -> None:  # fmt: skip
-    """Step ``blocks`` blocks by any taps of radius r; in float64 rounded like the reference, in float32 with FMA."""
-    for q in range(blocks * BLOCK):
-        o = q * STRIDE
-        if scratch.itemsize == 4:
-            drive_row_fused(scratch, at_w + o, at_y + o, taps, r, at_row, n)
-            finish_row_fused(scratch, at_x + o, at_row, at_out + o + PAD, n, h)
-        else:
-            drive_row_exact(scratch, at_w + o, at_y + o, taps, r, at_row, n)
-            finish_row_exact(scratch, at_x + o, at_row, at_out + o + PAD, n, h)
+    """Step blocks of n columns by the loop at an address; ``rows`` are x, w, y, out and a row of scratch memory."""
+    x, w, y, out, row = rows
+    call(address, (pointer(x), pointer(w), pointer(y), pointer(out), n, pointer(square), pointer(taps), taps.size, r,
+                   pointer(row), h, blocks))  # fmt: skip

@@ -1,54 +1,45 @@
 """Euler transients in which tiles sleep while no output in them can change; bit for bit the dense transient.
 
-Only cells that are not saturated for good (see `cnnsim.backends.cpu.tiles.settled`) can change an output, and what they
-change travels r cells a step. So a tile farther than d r cells from every such cell keeps all its outputs for d steps
-and need not be computed: its states run towards constant drives, x(k) = d + (1 - h)^k (x - d), and when it wakes up it
-takes those steps at once, each rounded as it would have been. When all cells are saturated, no output will ever change.
+Only cells that are not saturated for good (see `check`) can change an output, and a change travels r cells a step. So a
+tile farther than d r cells from every such cell keeps all its outputs for d steps and need not be computed: its states
+approach constant drives, x(k) = d + (1 - h)^k (x - d), and when it wakes up it takes those steps at once, each rounded
+as it would have been. When all cells are saturated, no output will ever change.
 """
 
 import numpy as np
 from numba import prange
 
-from cnnsim.backends.cpu.jit.address import call
-from cnnsim.backends.cpu.jit.compile import helper, twins
-from cnnsim.backends.cpu.tiles.boundary import is_periodic
+from cnnsim.backends.cpu.compiled import call, helper, twins
+from cnnsim.backends.cpu.tiles.check import C0, C1, FIGURES, R0, R1, RATE, all_saturated, largest_of, start_check
+from cnnsim.backends.cpu.tiles.dense import Position
+from cnnsim.backends.cpu.tiles.functions import copy_row
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback, Schedule, Tiling, steps_of_pass
-from cnnsim.backends.cpu.tiles.position import BEGIN, END, MEASURE, STEP, Fields, Position
-from cnnsim.backends.cpu.tiles.scratch import clear, move
-from cnnsim.backends.cpu.tiles.settled import C0, C1, MOVING, R0, R1, UNSATURATED, largest_rate, start_check, total
-from cnnsim.backends.cpu.tiles.window import CATCH_UP, CHECK, HEIGHT, window_cells, window_layout
+from cnnsim.backends.cpu.tiles.scratch import PERIODIC, clear
+from cnnsim.backends.cpu.tiles.window import HEIGHT, MOST, WIDTH, window_cells
 from cnnsim.support import Array
 
-WIDTH = 64
-"""Columns of a tile: wide enough for the vectors, and small enough, with `HEIGHT` rows, to lie still as a whole."""
-MOST = 4
-"""Tiles below each other that are stepped as one, so that rows around them are computed again for all at once: of a
-picture of 1024 x 1024 with holes the area computed is 18 % then, 25 % one by one, and 23 % by tiles twice as high."""
-UPTO, CHOSEN, DIFFERS, WORK, COUNT = range(7, 12)
-COLUMNS = 12
-"""What is known of each tile from pass to pass: after what a check finds (`settled`) the step that its states belong
-to, whether it is to be stepped, and whether it differs between the planes. Columns WORK and COUNT are the list of what
-is to be done: a tile, and how many it makes with those below it. Tiles are counted column by column.
-"""
-E_FOLDS = 40
-"""Time constants after which a state that goes to a constant drive changes no bit any more, not even of float64."""
+UPTO, CHOSEN, DIFFERS, WORK, COUNT = range(FIGURES, FIGURES + 5)
+COLUMNS = FIGURES + 5
+"""Columns of the table of tiles: after the results of the last check, the step of its states, whether it is to be
+stepped, and whether it differs between the two planes. WORK and COUNT are a list of what is to be done in a pass: a
+tile, and the number of tiles from it downwards. Tiles are counted column by column."""
+
+# The helpers are not part of `sleeping`, because numba would start the threads for every loop over tiles there.
 
 
 @helper
-def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool, by_columns: bool) -> None:
-    """Choose the tiles that an unsaturated cell's change can come to when it travels ``reach`` cells.
-
-    They are counted column by column, or row by row.
-    """
+def _wake(tiles: Array, reach: int, shape: tuple[int, int, int], periodic: bool) -> None:
+    """Choose the tiles within ``reach`` of an unsaturated cell."""
     n, rows, cols = shape
     down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
-    below, beside = (1, down) if by_columns else (across, 1)
     for tile in range(n * down * across):
-        if found[tile, UNSATURATED] == 0:
+        tiles[tile, CHOSEN] = 0
+    for tile in range(n * down * across):
+        if tiles[tile, R0] == np.inf:
             continue
         first = tile // (down * across) * down * across
-        r0, r1 = int(found[tile, R0]) - reach, int(found[tile, R1]) + reach
-        c0, c1 = int(found[tile, C0]) - reach, int(found[tile, C1]) + reach
+        r0, r1 = int(tiles[tile, R0]) - reach, int(tiles[tile, R1]) + reach
+        c0, c1 = int(tiles[tile, C0]) - reach, int(tiles[tile, C1]) + reach
         if not periodic:
             r0, r1, c0, c1 = max(r0, 0), min(r1, rows), max(c0, 0), min(c1, cols)
         i = r0
@@ -56,44 +47,38 @@ def wake(found: Array, reach: int, shape: tuple[int, int, int], periodic: bool, 
             p, j = i % rows, c0
             while j < c1:
                 q = j % cols
-                found[first + q // WIDTH * beside + p // HEIGHT * below, CHOSEN] = 1
+                tiles[first + q // WIDTH * down + p // HEIGHT, CHOSEN] = 1
                 j += min(cols - q, WIDTH - q % WIDTH)
             i += min(rows - p, HEIGHT - p % HEIGHT)
 
 
-# What follows stands outside `sleeping` because numba would start the threads for every array operation in there.
+@helper
+def _choose_all(tiles: Array) -> None:
+    for tile in range(tiles.shape[0]):
+        tiles[tile, CHOSEN] = 1
 
 
 @helper
-def begin_tiles(tiles: Array) -> None:
-    """Choose all tiles; they are at step 0, in one plane alone."""
+def _start(tiles: Array, x: Array, first: Array) -> None:
+    """Copy the first state; all tiles are at step 0 and differ between the planes."""
+    copy_row(first.reshape(-1), x.reshape(-1))
     for tile in range(tiles.shape[0]):
         tiles[tile, UPTO] = 0
         tiles[tile, CHOSEN] = tiles[tile, DIFFERS] = 1
 
 
 @helper
-def choose(tiles: Array, value: bool) -> None:
-    """Choose all tiles, or none."""
-    for tile in range(tiles.shape[0]):
-        tiles[tile, CHOSEN] = value
-
-
-@helper
-def area_of(tile: int, tiles: int, shape: tuple[int, int, int]) -> tuple[int, Area]:
-    """Return the grid and the cells of a tile with those below it, so many in all."""
+def _area_of(tile: int, count: int, shape: tuple[int, int, int]) -> tuple[int, Area]:
+    """Return the grid and the cells of ``count`` tiles from one downwards."""
     _, rows, cols = shape
     down, across = (rows + HEIGHT - 1) // HEIGHT, (cols + WIDTH - 1) // WIDTH
     r0, c0 = tile % down * HEIGHT, tile // down % across * WIDTH
-    return tile // (down * across), Area(r0, min(rows, r0 + tiles * HEIGHT), c0, min(cols, c0 + WIDTH))
+    return tile // (down * across), Area(r0, min(rows, r0 + count * HEIGHT), c0, min(cols, c0 + WIDTH))
 
 
 @helper
-def choose_work(tiles: Array, with_different: bool, rows: int, done: int) -> tuple[int, int]:
-    """List the tiles that are to be stepped, or also copied; return where to begin, and how long the list is.
-
-    The list is gone through twice: first all that is chosen is taken to the step ``done``, where any is behind.
-    """
+def _list_work(tiles: Array, with_different: bool, rows: int, done: int) -> tuple[int, bool]:
+    """List the tiles that are to be stepped, or also copied; return the length, and whether a tile missed steps."""
     down, count, tile, behind = (rows + HEIGHT - 1) // HEIGHT, 0, 0, False
     while tile < tiles.shape[0]:
         after = tile + 1
@@ -106,120 +91,84 @@ def choose_work(tiles: Array, with_different: bool, rows: int, done: int) -> tup
             tiles[count, WORK], tiles[count, COUNT] = tile, after - tile
             count += 1
         tile = after
-    return 0 if behind else count, count
+    return count, behind
 
 
 @helper
-def work_of(tiles: Array, place: int, done: int, now: int, h: float) -> int:
-    """Return how many steps of a tile an entry of the list takes at most in a pass, with its check."""
-    first, work = int(tiles[place, WORK]), 1
-    if tiles[first, CHOSEN]:
-        for tile in range(first, first + int(tiles[place, COUNT])):
-            work += now + 2 + min(done - int(tiles[tile, UPTO]), int(E_FOLDS / h))
-    return work
-
-
-@helper
-def last_of_slice(
-    tiles: Array, first: int, to_do: int, threads: int, pass_of: tuple[int, int, float], left: int
-) -> tuple[int, int]:
-    """Return which place in the list of tiles to do a slice goes up to, and how many steps of a tile are left then.
-
-    ``first`` place of the slice, from ``to_do`` on of the second time through the list; ``pass_of``: the steps done and
-    to do now, and their length.
-    """
-    k, end, (done, now, h) = first, to_do if first < to_do else 2 * to_do, pass_of
-    while k < end and (left > 0 or k < first + threads):
-        left -= work_of(tiles, k % to_do, done, now, h)
-        k += 1
-    return k, left
-
-
-@helper
-def arrived(tiles: Array, step: int) -> float:
-    """Note that the chosen tiles have come to a step; return how many cells in them still move."""
-    moving = 0.0
+def _arrive(tiles: Array, step: int) -> float:
+    """Set the step of the chosen tiles; return the largest |dx/dt| in them."""
+    rate = 0.0
     for tile in range(tiles.shape[0]):
         if tiles[tile, CHOSEN]:
             tiles[tile, UPTO] = step
-            moving += tiles[tile, MOVING]
-    return moving
+            rate = max(rate, tiles[tile, RATE])
+    return rate
 
 
 @twins
 def sleeping(
-    planes: tuple[Array, Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule,
+    planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule,
     tiles: Array, position: Position, most: int,
-) -> tuple[Fields, bool, float]:  # fmt: skip
+) -> tuple[Position, bool, float]:  # fmt: skip
     """Run a slice of the transient of n grids until all have settled; everything as in `dense.dense`.
 
-    The address of ``tiling`` is that of `window.step_window`; ``tiles`` has `COLUMNS` for each tile of `HEIGHT` x
-    `WIDTH` cells.
+    The address of ``tiling`` is that of `step_window`; ``tiles`` has `COLUMNS` for each tile. A slice ends after a pass;
+    in a ``position`` the third number is the steps of the next pass (0: a check of all tiles).
     """
-    x, first, second, w, _ = planes
+    x, first, second, w = planes
     address, depth, _, _, threads = tiling
     steps, check_every, rest, _ = schedule
-    done, where, phase, k, now, to_do = position
-    r, h, periodic = feedback[4], feedback[3], is_periodic(feedback[4:7])
-    scratches = np.empty((threads, window_cells(MOST * HEIGHT, depth, r)), x.dtype)
+    done, where, now, _, ended = position
+    r, periodic, settled, rate, left = feedback[4], feedback[5] == PERIODIC, False, np.nan, most
+    scratches = np.empty((threads, window_cells(depth, r)), x.dtype)
     for thread in range(threads):
         clear(scratches[thread], WIDTH + 2 * (depth + 2) * r)
-    looking, whole, largest, settled, left = phase != BEGIN, False, np.nan, False, most
-    if phase == BEGIN:
-        begin_tiles(tiles)
-        phase, where = STEP, 1
-        move(x.reshape(-1), 0, first.reshape(-1), 0, x.size)
-    while phase != END and left > 0:
+    if where == 0:
+        _start(tiles, x, first)
+        where = 1
+    while not ended and left > 0:
         source, target = (first, second) if where == 1 else (second, first)
-        if k == 0:
-            (k, to_do), whole = choose_work(tiles, now > 0, x.shape[1], done), looking
-        measure, begin = phase == MEASURE or whole, k
-        k, left = last_of_slice(tiles, begin, to_do, threads, (done, now, h), left)
-        for thread in prange(threads):
-            scratch, at = scratches[thread], window_layout(scratches[thread], MOST * HEIGHT, depth, r)
-            for place in range(begin + thread, k, threads):
-                first_tile, count = int(tiles[place % to_do, WORK]), int(tiles[place % to_do, COUNT])
-                after = first_tile + count
-                g, area = area_of(first_tile, count, x.shape)
-                if place < to_do:  # before any is stepped, as its neighbours read states that they take on, too
-                    for tile in range(first_tile, after if tiles[first_tile, CHOSEN] else first_tile):
-                        missed = done - int(tiles[tile, UPTO])
+        count, behind = _list_work(tiles, now > 0, x.shape[1], done)
+        if behind:  # before any is stepped, because tiles read the states of their neighbours
+            for thread in prange(threads):
+                for place in range(thread, count, threads):
+                    tile = int(tiles[place, WORK])
+                    for each in range(tile, tile + int(tiles[place, COUNT]) if tiles[tile, CHOSEN] else tile):
+                        missed = done - int(tiles[each, UPTO])
                         if missed > 0:
-                            _, own = area_of(tile, 1, x.shape)
-                            call(address, (source[g], w[g], source[g], feedback, 0, own, scratch, at, CATCH_UP, rest,
-                                           False, missed, tiles[tile : tile + 1]))  # fmt: skip
-                            tiles[tile, UPTO], tiles[tile, DIFFERS] = done, 1
-                elif tiles[first_tile, CHOSEN]:
-                    for tile in range(first_tile, after):
-                        start_check(tiles[tile])
+                            g, area = _area_of(each, 1, x.shape)
+                            call(address, ((source[g], w[g], source[g]), feedback, 0, area, scratches[thread], missed,
+                                           tiles[each : each + 1]))  # fmt: skip
+                            tiles[each, UPTO], tiles[each, DIFFERS] = done, 1
+        for thread in prange(threads):
+            for place in range(thread, count, threads):
+                tile, after = int(tiles[place, WORK]), int(tiles[place, WORK]) + int(tiles[place, COUNT])
+                g, area = _area_of(tile, after - tile, x.shape)
+                if tiles[tile, CHOSEN]:
+                    for each in range(tile, after):
+                        start_check(tiles[each])
                         if now > 0:
-                            tiles[tile, DIFFERS] = 1
-                    call(address, (source[g], w[g], target[g], feedback, now, area, scratch, at, CHECK, rest, measure,
-                                   0, tiles[first_tile:after]))  # fmt: skip
-                else:  # fell asleep: from here on it is the same in both planes
+                            tiles[each, DIFFERS] = 1
+                    call(address, ((source[g], w[g], target[g]), feedback, now, area, scratches[thread], 0,
+                                   tiles[tile:after]))  # fmt: skip
+                else:  # fell asleep: from now on it is the same in both planes
                     for i in range(area.r0, area.r1):
-                        move(source[g, i], area.c0, target[g, i], area.c0, area.c1 - area.c0)
-                    tiles[first_tile, DIFFERS] = 0
-        if k < 2 * to_do:
-            continue
-        k = 0
+                        copy_row(target[g, i][area.c0 : area.c1], source[g, i][area.c0 : area.c1])
+                    tiles[tile, DIFFERS] = 0
+        left -= count * MOST * (now + 2)
         done += now
         if now:
             where = 2 if where == 1 else 1
-        moving = arrived(tiles, done)
-        if measure:
-            largest, looking = largest_rate(tiles), False
-        if phase == MEASURE:  # all tiles have been checked, none has been stepped
-            settled = total(tiles, UNSATURATED) == 0 or total(tiles, MOVING) == 0
-            if settled or done == steps:
-                phase = END
-                continue
-        frozen, resting = total(tiles, UNSATURATED) == 0, moving == 0
-        if (done % check_every == 0 and (frozen or resting) and phase != MEASURE) or done == steps:
-            phase, now = MEASURE, 0
-            choose(tiles, True)
+        rate, frozen = _arrive(tiles, done), all_saturated(tiles)
+        over = frozen or x.dtype.type(rate) <= rest
+        if now == 0:  # all tiles have been checked
+            rate = largest_of(tiles)
+            settled = over
+            ended = settled or done == steps
+        if (now > 0 and done % check_every == 0 and over) or done == steps:
+            now = 0
+            _choose_all(tiles)
         else:
-            phase, now = STEP, steps_of_pass(done, depth, schedule)
-            choose(tiles, False)
-            wake(tiles, now * r, x.shape, periodic, True)
-    return (done, where, phase, k, now, to_do), settled, largest
+            now = steps_of_pass(done, depth, schedule)
+            _wake(tiles, now * r, x.shape, periodic)
+    return (done, where, now, False, ended), settled, rate

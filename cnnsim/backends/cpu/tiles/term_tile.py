@@ -1,0 +1,290 @@
+"""One step of a tile of a network of terms: all stages, or only the drives, while its rows are in the cache.
+
+Rows stream through levels one by one. Level s has the channels of stage s; a row comes to level s + 1 when the rows
+below it that terms look at have come to level s. The tile is loaded with r more cells on all sides for each level: each
+level spoils r of them, and the rest is exact. At the edge of the grid the virtual cells are set at every level. All
+rows of a small torus go through a level before the next, because its surroundings would be larger than the grid.
+
+    k_i = drive of x_i - x_i,    x_i = x + gain (sum of a_ij k_j over j < i),    x <- x + gain (sum of b_i k_i)
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cnnsim.backends.codes import NOTHING, FunctionCode, TaskCode
+from cnnsim.backends.cpu.bits import load_bits
+from cnnsim.backends.cpu.compiled import helper, uncounted
+from cnnsim.backends.cpu.tiles.channels import PERIODIC, STAGE, fill_channels, find_lines
+from cnnsim.backends.cpu.tiles.check import saturated
+from cnnsim.backends.cpu.tiles.functions import clip_row, copy_row, function_row
+from cnnsim.backends.cpu.tiles.rows import PAD
+from cnnsim.backends.cpu.tiles.term_sums import WorkRows, add_terms, add_weighted, load_row, subtract
+from cnnsim.support import Array
+
+SIGN = int(FunctionCode.SIGN)
+DRIVE, DISCRETE, STEP, CHECK = map(int, TaskCode)
+STATE, _, TOTAL, MASK, RATES = range(5)
+"""Live rows of each layer of a scheme of some stages: the state, the stage (`STAGE`), the sum of the rates so far, the
+mask, and the rates of all stages but the last where later stages need them."""
+
+
+class TermRule(NamedTuple):
+    """Constants of the steps of a network.
+
+    ``function`` and ``step`` are addresses of `functions` and `step_tile`. ``gains`` of the layers; ``limited``: states
+    stay within +-1. ``table`` of the scheme: a row by row, then b; ``ahead``: steps by which each stage looks ahead;
+    ``keeps``: a stage needs the rate of another than the last one. ``kind``, ``places`` and ``values`` of the output
+    characteristic. ``channels``, ``terms`` and ``taps`` are records; ``weights`` (number, rows, cols) differ from cell
+    to cell; ``numbers`` of all tables. ``r``, ``code``, ``of_input`` and ``of_state``: radius, `BoundaryCode` and fixed
+    virtual cells. ``low``: the rows of a small torus, else 0.
+    """
+
+    function: int
+    step: int
+    gains: Array
+    limited: bool
+    table: Array
+    ahead: Array
+    keeps: bool
+    kind: int
+    places: Array
+    values: Array
+    channels: Array
+    terms: Array
+    taps: Array
+    weights: Array
+    numbers: Array
+    r: int
+    code: int
+    of_input: Any
+    of_state: Any
+    low: int
+
+
+class TermPlanes(NamedTuple):
+    """Planes (n, layers, rows, cols) of a task.
+
+    ``start`` is the state of step 0; ``states`` (k, n, ...) those of later steps in turn, step m at m modulo k;
+    ``inputs`` (k, n, ...) of channels; ``w``; and the words of the mask (n * layers, rows, words), without words none.
+    """
+
+    start: Array
+    states: Array
+    inputs: Array
+    w: Array
+    mask: Array
+
+
+class Job(NamedTuple):
+    """A task for the cells [r0, r1) x [c0, c1) of grid g in the step ``number``."""
+
+    task: int
+    number: int
+    g: int
+    r0: int
+    r1: int
+    c0: int
+    c1: int
+
+
+@helper
+def inset(r: int) -> int:
+    """Return how many cells before its first cell a row of a channel begins."""
+    return (r + PAD - 1) // PAD * PAD
+
+
+@helper
+def tile_sizes(rule: TermRule, width: int) -> tuple[int, int, int, int]:
+    """Return the live rows, the rows of a ring, the cells of a row and the sets of live rows of a tile."""
+    _, _, _, _, _, ahead, keeps, _, _, _, _, _, _, _, _, r, _, _, _, low = rule
+    levels = ahead.size
+    # an odd number of vectors, so that rows that are used together do not fight for cache sets
+    stride = inset(r) + PAD * (((width + r + PAD - 1) // PAD) | 1)
+    sets = 0 if levels == 1 else RATES + (levels - 1) * keeps
+    return (low, low, stride, sets) if low else (levels * r + 1, 2 * r + 1, stride, sets)
+
+
+@helper
+def _keep_masked(out: Array, mask: Array, x: Array) -> None:
+    for j in range(out.size):
+        out[j] = x[j] if mask[j] > 0 else out[j]
+
+
+@helper
+def _step_row(out: Array, x: Array, gain: float, total: Array) -> None:
+    for j in range(out.size):
+        out[j] = x[j] + gain * total[j]
+
+
+@helper
+def _fill(out: Array, value: float) -> None:
+    for j in range(out.size):
+        out[j] = value
+
+
+@helper
+def _stop(row: Array, x: Array, mask: Array, limited: bool, masked: bool) -> None:
+    """Keep states within +-1 where they are limited, and as they were where they are masked."""
+    if limited:
+        clip_row(row, row, row.dtype.type(1))
+    if masked:
+        _keep_masked(row, mask, x)
+
+
+@helper
+def _next_stage(live: Array, work: WorkRows, scheme: Any, stage: int, gain: float, how: tuple[bool, bool]) -> None:
+    """Go from the drives of a stage, in ``work``, to the next stage; after the last one ``spare`` is the new state."""
+    table, count, keeps = scheme
+    drive, spare, n = work.drive, work.spare, work.drive.size
+    x, of_stage, total, mask = live[STATE][:n], live[STAGE][:n], live[TOTAL][:n], live[MASK][:n]
+    subtract(drive, drive, of_stage)
+    add_weighted(total, table[count * count + stage], drive)
+    if stage + 1 == count:
+        _step_row(spare, x, gain, total)
+        _stop(spare, x, mask, how[0], how[1])
+        return
+    row = (stage + 1) * count
+    _fill(spare, 0)
+    if keeps:
+        copy_row(live[RATES + stage][:n], drive)
+        for earlier in range(stage + 1):
+            add_weighted(spare, table[row + earlier], live[RATES + earlier][:n])
+    else:
+        add_weighted(spare, table[row + stage], drive)
+    _step_row(drive, x, gain, spare)
+    _stop(drive, x, mask, how[0], how[1])
+    copy_row(of_stage, drive)
+
+
+@helper
+def _check_row(drive: Array, x: Array, mask: Array, limited: bool, masked: bool) -> Any:
+    """Return the largest |drive - x| of the free cells, and whether one of them is not saturated."""
+    largest, one, unsaturated = x.dtype.type(0), x.dtype.type(1), False
+    for j in range(x.size):
+        change = drive[j] - x[j]
+        against = limited and ((x[j] >= 1 and change > 0) or (x[j] <= -1 and change < 0))
+        if not (masked and mask[j] > 0):
+            unsaturated |= not saturated(x[j], drive[j], one)
+            if not against:
+                largest = max(largest, abs(change))
+    return largest, unsaturated
+
+
+@helper
+def _discrete_row(new: Array, drive: Array, y: Array, sign: bool) -> None:
+    """Keep the old outputs where the drive of a sign is 0."""
+    if sign:
+        for j in range(new.size):
+            new[j] = y[j] if drive[j] == 0 else new[j]
+
+
+@helper
+def _largest_change(v: Array, w: Array) -> Any:
+    change = v.dtype.type(0)
+    for j in range(v.size):
+        change = max(change, abs(v[j] - w[j]))
+    return change
+
+
+@helper
+def _differs(v: Array, w: Array) -> bool:
+    count = 0
+    for j in range(v.size):
+        count += v[j] != w[j]
+    return count > 0
+
+
+def step_tile(
+    job: Job, planes: TermPlanes, rule: TermRule, live: Array, rings: Array, work: WorkRows, found: Array
+) -> None:
+    """Do a job in all layers of a grid.
+
+    ``live`` rows (layers, rows, sets, cells), the ``rings`` (levels, channels, cells) and ``work`` are scratch memory.
+    ``found`` gets the largest rate or change of each layer; then whether a row differs from that of two steps ago, and
+    whether a cell is not saturated.
+    """
+    task, number, g, r0, r1, c0, c1 = job
+    start, states, inputs = uncounted(planes[0]), uncounted(planes[1]), uncounted(planes[2])
+    w, mask, live, rings = uncounted(planes[3]), uncounted(planes[4]), uncounted(live), uncounted(rings)
+    function, _, gains, limited, table, ahead, keeps, kind, places, values = rule[:10]
+    channels, terms, taps, weights, numbers, r, code, of_input, of_state, low = rule[10:]
+    field = uncounted(terms), uncounted(taps), uncounted(weights), uncounted(numbers)
+    scheme, gains, ahead = (uncounted(table), ahead.size, keeps), uncounted(gains), uncounted(ahead)
+    channels, places, values = uncounted(channels), uncounted(places), uncounted(values)
+    of_channels = function, channels, (kind, places, values), (r, code, of_input, of_state)
+    (_, layers, rows, cols), kept, masked = start.shape, states.shape[0], mask.size > 0
+    levels = ahead.size if task == STEP else 1
+    lag, ring = (low, low) if low else (r, 2 * r + 1)
+    wraps, reach = code == PERIODIC and not low, 0 if low else levels * r
+    lo, hi, top, bottom = c0 - reach, c1 + reach, r0 - reach, r1 + reach
+    if not wraps:
+        lo, hi, top, bottom = max(lo, 0), min(hi, cols), max(top, 0), min(bottom, rows)
+    n, inner, wanted, stride, first = hi - lo, c0 - lo, c1 - c0, rings.shape[2] // (ring + 1), inset(r)
+    rows_of = WorkRows(
+        uncounted(work.drive)[:n], uncounted(work.difference)[:n], uncounted(work.product)[:n],
+        uncounted(work.weights)[:n], uncounted(work.zeros)[:n], uncounted(work.mask)[:n], uncounted(work.spare)[:n],
+    )  # fmt: skip
+    drive, to, spare = rows_of.drive, rows_of.drive[inner : inner + wanted], rows_of.spare[:wanted]
+    _fill(rows_of.zeros, 0)
+    for level in range(levels):
+        for m in range(channels.size):
+            at = ring * stride + first
+            _fill(rings[level, m][at - r : at + n + r], of_input if channels[m]["plane"] >= 0 else of_state)
+    now = start[g] if number == 0 else states[number % kept, g]
+    last = start[g] if number <= 1 else states[(number - 1) % kept, g]
+    after = states[(number + 1) % kept, g]
+    lines, sources = np.empty(2 * r + 1, np.int64), (start, states, inputs, g, rows_of.spare)
+    for base in range(top, r1 + levels * lag):
+        for level in range(levels + 1):
+            i, margin = base - level * lag, (levels - level) * r
+            if i < max(r0 - margin, top) or i >= min(r1 + margin, bottom):
+                continue
+            slot, place = (i - top) % ring, (i - top) % max(1, live.shape[1])
+            if level > 0:
+                find_lines(lines, i, slot, (ring, stride, first), (rows, code, low > 0))
+            for layer in range(layers if level > 0 or levels > 1 else 0):
+                if level == 0:
+                    sets = live[layer, place]
+                    load_row(rows_of.spare, now[layer], i, lo)
+                    copy_row(sets[STATE][:n], rows_of.spare)
+                    copy_row(sets[STAGE][:n], rows_of.spare)
+                    _fill(sets[TOTAL][:n], 0)
+                    if masked:
+                        load_bits(sets[MASK][:n], mask[g * layers + layer], i, lo, cols)
+                    continue
+                load_row(drive, w[g, layer], i, lo)
+                add_terms(function, rows_of, rings[level - 1], lines, layer, field, (i, lo))
+                if levels > 1:
+                    _next_stage(live[layer, place], rows_of, scheme, level - 1, gains[layer], (limited, masked))
+                    if level == levels:
+                        copy_row(after[layer, i][c0:c1], rows_of.spare[inner : inner + wanted])
+                    continue
+                held, x = rows_of.mask[:wanted], now[layer, i][c0:c1]
+                if masked:
+                    load_bits(held, mask[g * layers + layer], i, c0, cols)
+                if task == DRIVE:
+                    copy_row(w[g, layer, i][c0:c1], to)
+                elif task == STEP:
+                    subtract(to, to, x)
+                    _step_row(spare, x, gains[layer], to)
+                    _stop(spare, x, held, limited, masked)
+                    copy_row(after[layer, i][c0:c1], spare)
+                elif task == CHECK:
+                    rate, unsaturated = _check_row(to, x, held, limited, masked)
+                    found[layer] = max(found[layer], rate)
+                    found[layers + 1] = max(found[layers + 1], found.dtype.type(unsaturated))
+                else:
+                    function_row(function, spare, to, kind, places.size, places, values)
+                    _discrete_row(spare, to, x, kind == SIGN)
+                    if masked:
+                        _keep_masked(spare, held, x)
+                    found[layer] = max(found[layer], _largest_change(spare, x))
+                    if _differs(spare, last[layer, i][c0:c1]):
+                        found[layers] = 1
+                    copy_row(after[layer, i][c0:c1], spare)
+            if level < levels:
+                fill_channels(
+                    of_channels, sources, rings[level], slot * stride + first, live, place if levels > 1 else NOTHING,
+                    (number, ahead[level]), (i, lo, n, not wraps),
+                )  # fmt: skip

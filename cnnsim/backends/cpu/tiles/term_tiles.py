@@ -1,0 +1,180 @@
+"""Tiles in which the terms of a network are summed: the constants of the loops, and the loop over steps and tiles."""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+from numba import prange, types
+
+from cnnsim.backends.codes import NOTHING, FunctionCode, TaskCode, boundary_code
+from cnnsim.backends.cpu.compiled import call, compiled_at, records, threads_for, twins
+from cnnsim.backends.cpu.tiles.functions import functions
+from cnnsim.backends.cpu.tiles.grid import tile_area
+from cnnsim.backends.cpu.tiles.term_sums import WorkRows
+from cnnsim.backends.cpu.tiles.term_tile import Job, TermPlanes, TermRule, step_tile, tile_sizes
+from cnnsim.backends.slices import PIECE, TERM, pieces
+from cnnsim.backends.term_table import Function, TapColumns, TermColumns, TermTable
+from cnnsim.network.frames import at_step
+from cnnsim.planning.plan import Plan
+from cnnsim.planning.scheme import Scheme
+from cnnsim.support import Array
+
+WIDE, HIGH = 1024, 512
+"""The most columns and rows of a tile."""
+LEAST = 8
+"""The fewest rows of a tile: a lower one would load as many rows around it."""
+LOW = 32
+"""Rows and columns of a torus up to which all its rows stay in the cache: more cells would lie around it than in it."""
+APART = 32
+"""Numbers between those that two threads write, which must not share a cache line."""
+FOUND = 2
+"""Numbers found besides one for each layer: see `step_tile`."""
+
+
+@cache
+def step_of(dtype: np.dtype[Any]) -> Any:
+    """Return `step_tile` compiled for a dtype."""
+    none, row, zero = np.empty(0, np.int64), np.empty(0, dtype), dtype.type(0)
+    plane, later = np.empty((1, 0, 0, 0), dtype), np.empty((1, 1, 0, 0, 0), dtype)
+    terms = TermColumns(*len(TermColumns._fields) * [none])
+    table = TermTable((), terms, TapColumns(none, none, none, row), plane[0], row, 0)
+    rule = _rule(table, _channel_records(table, outputs=True), (row, True, row, none, True), (0, row, row),
+                 (0, 0, zero, zero, 0))  # fmt: skip
+    planes = plane, later, later, plane, np.empty((0, 0, 0), np.uint64)
+    given = Job(0, 0, 0, 0, 0, 0, 0), planes, (0, 0, *rule), plane, later[0, 0], WorkRows(*7 * [row]), row
+    return compiled_at(step_tile, types.void(*map(numba.typeof, given)))
+
+
+@twins
+def advance(
+    planes: TermPlanes, rule: TermRule, tiles: tuple[int, int, int, int], found: Array,
+    task: tuple[int, int, int, int, int],
+) -> None:  # fmt: skip
+    """Do a ``task`` (its code, the first step, how many, the first tile, the one after the last).
+
+    ``tiles``: threads, rows and columns of a tile, most columns with those around it. DRIVE adds all terms to w. STEP
+    goes from the states k to the states k + 1 by a scheme. DISCRETE writes the outputs that the drives make. CHECK
+    writes nothing. ``found`` has a row for each thread.
+    """
+    threads, height, wide, width = tiles
+    code, first, count, tile, after = task
+    n, layers, rows, cols = planes[0].shape
+    live, ring, stride, sets = tile_sizes(rule, width)
+    levels, channels, size = rule[5].size, rule[10].size, found.dtype
+    lives = np.empty((threads, layers, live, sets, stride), size)
+    rings = np.empty((threads, levels, channels, (ring + 1) * stride), size)
+    work = np.empty((threads, 7, stride), size)
+    for number in range(first, first + count):
+        for thread in prange(threads):
+            of = work[thread]
+            rows_of = WorkRows(of[0], of[1], of[2], of[3], of[4], of[5], of[6])
+            for each in range(tile + thread * (after - tile) // threads,
+                              tile + (thread + 1) * (after - tile) // threads):  # fmt: skip
+                g, area = tile_area(each, (n, rows, cols), height, wide)
+                job = Job(code, number, g, area.r0, area.r1, area.c0, area.c1)
+                call(rule[1], (job, planes, rule, lives[thread], rings[thread], rows_of, found[thread]))
+
+
+class TermTiles:
+    """The terms of a table and the tiles of planes (n, layers, rows, cols) in which they are summed.
+
+    ``gains`` of the layers, ``scheme`` and output characteristic ``f`` are for steps. ``work`` estimates the sums in
+    one step. The constants are bare tuples in the order of their NamedTuple: numba takes 1.2 us for the class of each.
+    """
+
+    def __init__(
+        self, plan: Plan, table: TermTable, shape: tuple[int, ...], dtype: np.dtype[Any],
+        gains: Sequence[float] = (1.0,), scheme: Scheme | None = None, f: Function | None = None,
+    ) -> None:  # fmt: skip
+        n, layers, rows, cols = self.shape = shape
+        work = int(np.prod(shape)) * max(1, len(table.taps.k))
+        self.channels, self.work = table.channels, TERM * work
+        self._step, self._loop, threads = plan.step, advance.for_work(work), threads_for(work)
+        r, boundary = table.radius, plan.boundary
+        torus, stages = boundary.kind == "periodic", 1 if scheme is None else len(scheme.b)
+        low = rows if torus and max(rows, cols) <= LOW else 0
+        down = 1 if low else max(-(-rows // HIGH), min(-(-threads // n), -(-rows // LEAST)))
+        height, wide = -(-rows // down), -(-cols // -(-cols // WIDE))
+        around = 0 if low else 2 * stages * r
+        self.count = n * -(-rows // height) * -(-cols // wide)
+        self._tiles = threads, height, wide, wide + around if torus else min(cols, wide + around)
+        self._seen = _channel_records(table, outputs=plan.cell != "discrete-time")
+        kind, places, at, values, numbers = f or Function(0, 0, 0, 0, np.empty(0, dtype))
+        numbers_of = numbers[at : at + places].copy(), numbers[values:].copy()
+        self._compiled = functions(dtype), step_of(dtype)
+        steps = np.array(gains, dtype), plan.cell == "full-range", *_stages(scheme, dtype)
+        edge = r, int(boundary_code(boundary)), dtype.type(boundary.u), dtype.type(boundary.y), low
+        rule = _rule(table, self._seen, steps, (int(kind), *numbers_of), edge)
+        self._rule = tuple(TermRule(*(int(function.address) for function in self._compiled), *rule))
+        self._found = np.zeros((threads, layers + FOUND + APART), dtype)
+        self._inputs = np.empty((0, *shape), dtype)
+
+    def start_span(self, number: int, u: Any) -> None:
+        """Use the inputs of step ``number`` from now on."""
+        planes: list[Array] = []
+        for m, channel in enumerate(self.channels):
+            if channel.quantity == "u":
+                plane = at_step(u, number - channel.ago, self._step)
+                at = next((k for k, other in enumerate(planes) if other is plane), len(planes))
+                planes += [plane] if at == len(planes) else []
+                self._seen["plane"][m] = at
+        if planes:  # inputs of several times are copied
+            self._inputs = planes[0][None] if len(planes) == 1 else np.stack(planes)
+
+    def do(self, task: TaskCode, planes: tuple[Array, Array, Array, Array], first: int, count: int) -> Array:
+        """Do a task of `advance` in ``count`` steps with the planes start, states, w and mask.
+
+        Return what the threads found: see `step_tile`. A step that takes long is cut into pieces, so that Python can
+        handle signals in between.
+        """
+        start, states, w, mask = planes
+        whole, self._found[:] = (start, states, self._inputs, w, mask), 0
+        given = whole, self._rule, self._tiles, self._found
+        if self.work <= PIECE:
+            self._loop(*given, (int(task), first, count, 0, self.count))
+        else:
+            for number in range(first, first + count):
+                for tile, after in pieces(self.count, self.work / self.count, self._tiles[0]):
+                    self._loop(*given, (int(task), number, 1, tile, after))
+        found: Array = self._found.max(axis=0)[: self.shape[1] + FOUND]
+        return found
+
+
+def _rule(table: TermTable, channels: Array, steps: Any, f: Any, edge: Any) -> tuple[Any, ...]:
+    """Return the fields of a `TermRule` after the addresses."""
+    taps = records(**table.taps._asdict())
+    return *steps, *f, channels, _term_records(table), taps, table.planes, table.numbers, *edge
+
+
+def _channel_records(table: TermTable, *, outputs: bool) -> Array:
+    """Return for each channel: which plane of the inputs it is of (NOTHING: it follows the state), its layer, how many
+    steps ago, and whether it is the output of a state (``outputs``: the output differs from the state).
+    """
+    channels = table.channels
+    return records(
+        plane=np.full(len(channels), NOTHING, np.int64),
+        layer=np.array([channel.layer for channel in channels], np.int64),
+        ago=np.array([channel.ago for channel in channels], np.int64),
+        output=np.array([channel.quantity == "y" and outputs for channel in channels], bool),
+    )
+
+
+def _term_records(table: TermTable) -> Array:
+    """Return terms as records; ``linear``: a sum of neighbours weighted by numbers."""
+    terms = table.terms
+    plain = (terms.kind == FunctionCode.IDENTITY) & (terms.centre < 0) & (terms.times_neighbour < 0)
+    local = [
+        bool((table.taps.plane[first:end] >= 0).any())
+        for first, end in zip(terms.first_tap, terms.end_tap, strict=True)
+    ]
+    return records(**terms._asdict(), linear=plain & ~np.array(local, bool))
+
+
+def _stages(scheme: Scheme | None, dtype: np.dtype[Any]) -> tuple[Array, Array, bool]:
+    """Return the table of a scheme, how far its stages look ahead, and whether rates are kept; of None one stage."""
+    if scheme is None:
+        return np.empty(0, dtype), np.zeros(1, np.int64), False
+    table = np.concatenate((scheme.matrix.reshape(-1), scheme.b)).astype(dtype)
+    return table, np.array([round(sum(row)) for row in scheme.a], np.int64), scheme.keeps_rates
