@@ -110,14 +110,11 @@ class CpuBackend(BlockBackend):
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Bits | None = None
     ) -> Outcome:
         check_fixed_step(plan)
+        held = None if mask is None else self._unpack(mask, np.dtype(bool))
         if plan.method == "general":
-            network = TermNetwork(plan, x, u, bias, None if mask is None else mask.words)
+            network = TermNetwork(plan, x, u, bias, held)
             with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
-                steps = (
-                    DiscreteSteps(network, None if mask is None else self._held(mask))
-                    if plan.cell == "discrete-time"
-                    else TermSteps(network)
-                )
+                steps = DiscreteSteps(network, held) if plan.cell == "discrete-time" else TermSteps(network)
                 outcome = driver.run(plan, steps, network.spans())
         else:
             ready = self._ready(plan)
@@ -125,7 +122,7 @@ class CpuBackend(BlockBackend):
                 end = np.empty_like(x)
                 given, work, lines = self._given(plan, ready, x, u, bias, end)
                 parts = pieces(lines, (work + (0 if ready.settles else EXPONENTIALS * x.size)) / lines)
-                loop, cells = closed.closed_form.for_work(work), self._held(mask)
+                loop, cells = closed.closed_form.for_work(work), _NO_MASK if held is None else grids(held)
                 fine = [loop(grids(x), grids(end), cells, ready.cell, given, ready.around_u, *part) for part in parts]
                 if not all(fine):
                     check_finite(end, ready.t)
@@ -134,15 +131,11 @@ class CpuBackend(BlockBackend):
             if mask is None and ready.fuses:
                 outcome = ready.euler.run(plan, x, w, self._pool)
             else:
-                outcome = driver.run(plan, TermSteps(Network(plan, x, w, None if mask is None else mask.words)))
+                outcome = driver.run(plan, TermSteps(Network(plan, x, w, held)))
             self._pool.keep(w)
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)
         return outcome
-
-    def _held(self, mask: Bits | None) -> Array:
-        """Return a mask as truth values; without cells it holds none."""
-        return _NO_MASK if mask is None else grids(self._unpack(mask, np.dtype(bool)))
 
     def _given(self, plan: Plan, ready: Prepared, x: Array, u: Any, bias: Any, out: Array) -> tuple[Any, int, int]:
         """Return what w = B*u + z + bias is made of, the sums it takes, and the rows there are.
@@ -165,12 +158,12 @@ class CpuBackend(BlockBackend):
         check_fixed_step(plan)
         held = outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool)))
         if plan.method == "general":
-            steps = TermSteps(TermNetwork(plan, x, u, bias, self._pack(held).words))
+            steps = TermSteps(TermNetwork(plan, x, u, bias, held))
             steps.start_span(0)
             return steps.check_settled(0, last=True)
         ready = self._ready(plan)
         w = self._drive(plan, ready, x, u, bias)
-        found = TermSteps(Network(plan, x, w, self._pack(held).words)).check_settled(0, last=True)
+        found = TermSteps(Network(plan, x, w, held)).check_settled(0, last=True)
         self._pool.keep(w)
         return found
 

@@ -62,20 +62,6 @@ def word_of(_typing: Any, row: Array, first: int) -> Any:
     return types.uint64(row, first), code
 
 
-@helper
-def load_bits(out: Array, words: Array, i: int, first: int, cols: int) -> None:
-    """Write 1 for black cells of row i of a packed grid from column ``first``, 0 for white; both wrap around."""
-    row, one, zero = words[i % words.shape[0]], out.dtype.type(1), out.dtype.type(0)
-    column, at = first % cols, 0
-    while at < out.size:
-        word, bit = row[column // 64], column % 64
-        count = min(64 - bit, cols - column, out.size - at)
-        word >>= np.uint64(bit)
-        for b in range(count):
-            out[at + b] = one if (word >> np.uint64(b)) & np.uint64(1) else zero
-        column, at = (column + count) % cols, at + count
-
-
 @twins
 def pack(values: Array, words: Array) -> None:
     """Set a bit for every value above 0."""

@@ -44,8 +44,8 @@ def threads_for(cells: int) -> int:
 
 
 def helper(function: Kernel) -> Kernel:
-    """Compile a function that only compiled functions call."""
-    return _compiled(function, "", kept_helper)
+    """Compile a function that only compiled functions call; it is inlined, so that slices cost no reference counts."""
+    return _compiled(function, "", kept_helper, forceinline=True)
 
 
 def fused(function: Kernel) -> Kernel:

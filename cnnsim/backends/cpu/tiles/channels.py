@@ -9,8 +9,6 @@ from cnnsim.backends.cpu.tiles.term_sums import load_row
 from cnnsim.support import Array
 
 FIXED, PERIODIC = int(BoundaryCode.FIXED), int(BoundaryCode.PERIODIC)
-STAGE = 1
-"""Index of the rows of the stage among the live rows of a layer."""
 
 
 @helper
@@ -43,14 +41,14 @@ def _virtual_cell(row: Array, j: int, code: int, constant: float) -> Any:
 
 @helper
 def fill_channels(
-    rule: Any, planes: Any, rings: Array, to: int, live: Array, place: int, when: tuple[int, int],
+    rule: Any, planes: Any, rings: Array, to: int, stages: Array, place: int, when: tuple[int, int],
     part: tuple[int, int, int, int],
 ) -> None:  # fmt: skip
     """Write a row of all channels into the rings of a level, from cell ``to``.
 
     Arguments: ``rule``: the address of `functions`, the channels, the output characteristic (kind, places, values) and
     the boundary (radius, code, constants of input and state). ``planes``: the first state, later states, inputs, the
-    number of the grid and a spare row. ``live`` rows of the stage at ``place``, NOTHING: the stage is the state.
+    number of the grid and a spare row. The stage is at ``place`` of the live rows ``stages``, NOTHING: it is the state.
     ``when``: the number of the step, and by how many steps the stage looks ahead. ``part``: row, first and last
     column, and whether the columns end at the grid's edges.
     """
@@ -67,7 +65,7 @@ def fill_channels(
         else:
             source = spare[:n]
             if channel["ago"] == 0 and place != NOTHING:
-                source = live[layer, place, STAGE][:n]
+                source = stages[layer, place][:n]
             else:
                 state = states[step % kept, g, layer] if step > 0 else start[g, layer]  # before t = 0 it was x(0)
                 if inside:

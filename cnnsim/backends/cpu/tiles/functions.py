@@ -142,8 +142,6 @@ def _function_row(out: Any, v: Any, n: int, kind: int, places: int, numbers: Any
     at, values = carray(numbers, (places,)), carray(values, (places + 1,))
     if kind == IDENTITY:
         copy_row(out, v)
-    elif kind == CLIP:
-        clip_row(out, v, at[0])
     elif kind == SIGN:
         _sign_row(out, v)
     elif kind == TANH:
@@ -170,4 +168,7 @@ def function_row(address: int, out: Array, v: Array, kind: int, places: int, at:
 
     ``address`` is that of `functions`: all kinds together take long to compile. The places begin in ``at``.
     """
+    if kind == CLIP:
+        clip_row(out, v, at[0])
+        return
     call(address, (pointer(out), pointer(v), out.size, kind, places, pointer(at), pointer(values)))

@@ -6,12 +6,13 @@ The terms of the input alone are summed once for each span of time in which the 
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import numba
 import numpy as np
 
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.codes import TaskCode
 from cnnsim.backends.cpu.tiles.term_tiles import TermTiles
-from cnnsim.backends.term_table import TermTable, characteristic, longest_delay, table_of, tabulate
+from cnnsim.backends.term_table import characteristic, longest_delay, table_of, tabulate
 from cnnsim.network import Frames, Term
 from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.general import delays_of
@@ -20,19 +21,24 @@ from cnnsim.support import Array, Flags
 
 STRIP = 1 << 14
 """Cells whose outputs are computed at a time, so that NumPy's temporary arrays stay in the cache."""
-_TABLES: WeakKeyDictionary[Plan, dict[Any, tuple[TermTable, TermTable]]] = WeakKeyDictionary()
+_TILES: WeakKeyDictionary[Plan, dict[Any, tuple[TermTiles, TermTiles]]] = WeakKeyDictionary()
 
 
-def _tables_of(plan: Plan, dtype: np.dtype[Any]) -> tuple[TermTable, TermTable]:
-    """Return the tables of the terms of the input alone and of all others, made once for a plan."""
-    tables = _TABLES.setdefault(plan, {})
-    if dtype not in tables:
-        if plan.network is None:
+def _tiles_of(plan: Plan, dtype: np.dtype[Any], shape: tuple[int, ...]) -> tuple[TermTiles, TermTiles]:
+    """Return the tiles of the terms of the input alone and of all others, made once for a plan and a shape."""
+    tiles, key = _TILES.setdefault(plan, {}), (dtype, shape, numba.get_num_threads())
+    if key not in tiles:
+        network, scheme, f = plan.network, plan.scheme, characteristic(plan, dtype)
+        if network is None:
             feedback = [(0, Term(plan.template.A, "y_kl"))] if plan.template.feedback_taps else []
-            tables[dtype] = tabulate(plan, [], dtype), tabulate(plan, feedback, dtype)
+            tables = tabulate(plan, [], dtype), tabulate(plan, feedback, dtype)
         else:
-            tables[dtype] = table_of(plan, dtype, static=True), table_of(plan, dtype, static=False)
-    return tables[dtype]
+            tables = table_of(plan, dtype, static=True), table_of(plan, dtype, static=False)
+        constants = (1.0,) if network is None else network.time_constants
+        gains = [scheme.gain(plan.step * (1 / constant)) if scheme else 1.0 for constant in constants]
+        still = TermTiles(plan, tables[0], shape, dtype)
+        tiles[key] = still, TermTiles(plan, tables[1], shape, dtype, gains, scheme, f)
+    return tiles[key]
 
 
 def _add_input_terms(tiles: TermTiles, w: Array) -> None:
@@ -41,8 +47,8 @@ def _add_input_terms(tiles: TermTiles, w: Array) -> None:
 
 
 def _no_mask(planes: Array) -> Array:
-    """Return the words of a mask that holds no cell."""
-    return np.empty((len(planes) * planes.shape[1], 0, 0), np.uint64)
+    """Return the mask that holds no cell."""
+    return np.empty((*planes.shape[:2], 0, 0), bool)
 
 
 def with_control_terms(plan: Plan, u: Array | None, bias: Array | None, total: Array) -> Array | None:
@@ -62,21 +68,19 @@ def with_control_terms(plan: Plan, u: Array | None, bias: Array | None, total: A
 class Network:
     """The states of a run in time order and the tiles that step them; of a linear template, whose w stays the same.
 
-    ``mask`` is its words. `start` is the state of step 0, which stays as it is, `states` are those of later steps, as
-    many as are read or written at once.
+    `start` is the first state, which stays as it is, `states` are the later ones, as many as are read or written at
+    once: one after each step, of a linear template one after each pass of several steps.
     """
 
     def __init__(self, plan: Plan, x: Array, w: Array | None, mask: Array | None) -> None:
         self.plan, layers = plan, 1 if plan.network is None else len(plan.network.layers)
-        constants, scheme = (1.0,) if plan.network is None else plan.network.time_constants, plan.scheme
+        constants = (1.0,) if plan.network is None else plan.network.time_constants
         self._end_shape = x.shape
         self.start = x.reshape(-1, layers, *plan.shape)
-        self.mask = _no_mask(self.start) if mask is None else mask
-        self.rates = 1 / np.array(constants)
-        gains = [scheme.gain(plan.step * rate) if scheme else 1.0 for rate in self.rates]
-        f, (_, moving) = characteristic(plan, x.dtype), _tables_of(plan, x.dtype)
-        self._moving = TermTiles(plan, moving, self.start.shape, x.dtype, gains, scheme, f)
-        self.work = self._moving.work
+        self.mask = _no_mask(self.start) if mask is None else mask.reshape(self.start.shape)
+        self.rates = (1 / np.array(constants)).astype(x.dtype)
+        self._still, self._moving = _tiles_of(plan, x.dtype, self.start.shape)
+        self.work, self.depth, self._number = self._moving.work, self._moving.depth, 0
         delay = 0 if plan.network is None else longest_delay(plan, plan.network)
         self.states = np.empty((delay + 2, *self.start.shape), x.dtype)
         self._w = np.empty_like(self.start) if w is None else w.reshape(self.start.shape)
@@ -84,14 +88,19 @@ class Network:
     def start_span(self, number: int) -> None:
         """Use input and bias of step ``number`` from now on."""
 
-    def do(self, task: TaskCode, step: int, count: int) -> Array:
-        """Do a task in ``count`` steps; return what `TermTiles.do` found."""
-        return self._moving.do(task, (self.start, self.states, self._w, self.mask), step, count)
+    def do(self, task: TaskCode, count: int = 1) -> Array:
+        """Do a task from the present state on; return what `TermTiles.do` found."""
+        found = self._moving.do(task, (self.start, self.states, self._w, self.mask), self._number, count)
+        if task in (TaskCode.STEP, TaskCode.DISCRETE):
+            self._number += -(-count // self.depth)
+        return found
 
-    def end(self, steps: int) -> Array:
-        """Return the state after all steps in the shape of the given planes, and free the other planes."""
-        end = self.states[steps % len(self.states)] if steps else self.start
+    def end(self, back: int = 0) -> Array:
+        """Return the present state, or one before it, in the shape of the given planes, and free the other planes."""
+        number = self._number - back
+        end = self.states[number % len(self.states)] if number else self.start
         del self._w
+        self._still.inputs = self._moving.inputs = self._moving.inputs[:0]
         end = end.copy()
         self.states = self.states[:0]
         return end.reshape(self._end_shape)
@@ -106,7 +115,6 @@ class TermNetwork(Network):
         self._network, shape = plan.network, self.start.shape
         self._u, self._bias = (_planes(value, shape) for value in (u, bias))
         self._z = np.array([layer.z for layer in plan.network.layers], x.dtype).reshape(-1, 1, 1)
-        self._still = TermTiles(plan, _tables_of(plan, x.dtype)[0], shape, x.dtype)
 
     def spans(self) -> list[tuple[int, int]]:
         """Return (first step, steps) of the spans in which input and bias stay the same."""
@@ -134,32 +142,30 @@ class TermSteps(Stepper):
 
     def __init__(self, network: Network) -> None:
         assert network.plan.scheme is not None
-        self._network, self._done = network, 0
+        self._network, self.together = network, network.depth
         self.work = network.work * len(network.plan.scheme.b)
         self.start_span = network.start_span
         self._freezes = network.plan.method == "stepped" and network.plan.saturation_ends
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
-        *largest, _, unsaturated = self._network.do(TaskCode.CHECK, step, 1)
-        rate = max(largest * self._network.rates.astype(self._network.start.dtype))
-        return Check(float(rate), self._freezes and not unsaturated)
+        *largest, _, unsaturated = self._network.do(TaskCode.CHECK)
+        return Check(float(max(largest * self._network.rates)), self._freezes and not unsaturated)
 
     def advance(self, step: int, count: int) -> None:
         """See `Stepper.advance`."""
-        self._network.do(TaskCode.STEP, step, count)
-        self._done = step + count
+        self._network.do(TaskCode.STEP, count)
 
     def finish(self) -> Array:
         """See `Stepper.finish`."""
-        return self._network.end(self._done)
+        return self._network.end()
 
 
 class DiscreteSteps(Stepper):
     """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
     def __init__(self, network: Network, mask: Flags | None) -> None:
-        self._network, self.work, self._checked, self._done = network, network.work, False, 0
+        self._network, self.work, self._checked = network, network.work, False
         self.start_span = network.start_span
         x, y = network.start, network.states[0]
         cols = x.shape[-1]
@@ -172,17 +178,16 @@ class DiscreteSteps(Stepper):
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
-        *largest, differs, _ = self._network.do(TaskCode.DISCRETE, step, 1)
+        *largest, differs, _ = self._network.do(TaskCode.DISCRETE)
         self._checked = True
         return Check(float(max(largest)), repeats=step > 0 and not differs)
 
     def advance(self, step: int, count: int) -> None:
         """See `Stepper.advance`."""
-        begin = step + self._checked  # the check has taken the first step already
-        if begin < step + count:
-            self._network.do(TaskCode.DISCRETE, begin, step + count - begin)
-        self._checked, self._done = False, step + count
+        if count > self._checked:  # the check has taken the first step already
+            self._network.do(TaskCode.DISCRETE, count - self._checked)
+        self._checked = False
 
     def finish(self) -> Array:
         """See `Stepper.finish`."""
-        return self._network.end(self._done)
+        return self._network.end(int(self._checked))

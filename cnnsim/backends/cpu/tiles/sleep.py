@@ -112,8 +112,8 @@ def sleeping(
 ) -> tuple[Position, bool, float]:  # fmt: skip
     """Run a slice of the transient of n grids until all have settled; everything as in `dense.dense`.
 
-    The address of ``tiling`` is that of `step_window`; ``tiles`` has `COLUMNS` for each tile. A slice ends after a pass;
-    in a ``position`` the third number is the steps of the next pass (0: a check of all tiles).
+    The address of ``tiling`` is that of `step_window`; ``tiles`` has `COLUMNS` for each tile. A slice ends after a
+    pass; the third number of a ``position`` is the steps of the next pass (0: a check of all tiles).
     """
     x, first, second, w = planes
     address, depth, _, _, threads = tiling

@@ -83,6 +83,17 @@ def _add_four(total: Array, a: Array, b: Array, c: Array, d: Array, weights: Any
 
 
 @helper
+def _add_nine(total: Array, rows: Any, taps: Array) -> None:
+    """Add nine weighted neighbours to each cell in one pass over the row."""
+    a, b, c, d, e, f, g, h, i = rows
+    wa, wb, wc, wd, we = (taps[0]["weight"], taps[1]["weight"], taps[2]["weight"], taps[3]["weight"], taps[4]["weight"])
+    wf, wg, wh, wi = taps[5]["weight"], taps[6]["weight"], taps[7]["weight"], taps[8]["weight"]
+    for j in range(total.size):
+        four = total[j] + wa * a[j] + wb * b[j] + wc * c[j] + wd * d[j]
+        total[j] = four + we * e[j] + wf * f[j] + wg * g[j] + wh * h[j] + wi * i[j]
+
+
+@helper
 def _neighbours(channel: Array, lines: Array, tap: Any, n: int) -> Array:
     """Return the n cells of a channel at a tap's offset."""
     first = lines[lines.size // 2 + tap["k"]] + tap["l"]
@@ -93,6 +104,16 @@ def _neighbours(channel: Array, lines: Array, tap: Any, n: int) -> Array:
 def _add_linear(total: Array, channel: Array, lines: Array, taps: Array) -> None:
     """Add the weighted neighbours of a channel; all weights are numbers."""
     n, tap = total.size, 0
+    if taps.size == 9:
+        rows = (
+            _neighbours(channel, lines, taps[0], n), _neighbours(channel, lines, taps[1], n),
+            _neighbours(channel, lines, taps[2], n), _neighbours(channel, lines, taps[3], n),
+            _neighbours(channel, lines, taps[4], n), _neighbours(channel, lines, taps[5], n),
+            _neighbours(channel, lines, taps[6], n), _neighbours(channel, lines, taps[7], n),
+            _neighbours(channel, lines, taps[8], n),
+        )  # fmt: skip
+        _add_nine(total, rows, taps)
+        return
     while tap + 4 <= taps.size:
         a, b, c, d = taps[tap], taps[tap + 1], taps[tap + 2], taps[tap + 3]
         _add_four(

@@ -1,9 +1,10 @@
-"""One step of a tile of a network of terms: all stages, or only the drives, while its rows are in the cache.
+"""Steps of a tile of a network of terms, or only its drives, while its rows are in the cache.
 
-Rows stream through levels one by one. Level s has the channels of stage s; a row comes to level s + 1 when the rows
-below it that terms look at have come to level s. The tile is loaded with r more cells on all sides for each level: each
-level spoils r of them, and the rest is exact. At the edge of the grid the virtual cells are set at every level. All
-rows of a small torus go through a level before the next, because its surroundings would be larger than the grid.
+Rows stream through levels one by one, a level for each stage of each step. Level s has the channels of stage s; a row
+comes to level s + 1 when the rows below it that terms look at have come to level s. The tile is loaded with r more
+cells on all sides for each level: each level spoils r of them, and the rest is exact. At the edge of the grid the
+virtual cells are set at every level. All rows of a small torus go through a level before the next, because its
+surroundings would be larger than the grid.
 
     k_i = drive of x_i - x_i,    x_i = x + gain (sum of a_ij k_j over j < i),    x <- x + gain (sum of b_i k_i)
 """
@@ -13,9 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.backends.codes import NOTHING, FunctionCode, TaskCode
-from cnnsim.backends.cpu.bits import load_bits
 from cnnsim.backends.cpu.compiled import helper, uncounted
-from cnnsim.backends.cpu.tiles.channels import PERIODIC, STAGE, fill_channels, find_lines
+from cnnsim.backends.cpu.tiles.channels import PERIODIC, fill_channels, find_lines
 from cnnsim.backends.cpu.tiles.check import saturated
 from cnnsim.backends.cpu.tiles.functions import clip_row, copy_row, function_row
 from cnnsim.backends.cpu.tiles.rows import PAD
@@ -24,9 +24,20 @@ from cnnsim.support import Array
 
 SIGN = int(FunctionCode.SIGN)
 DRIVE, DISCRETE, STEP, CHECK = map(int, TaskCode)
-STATE, _, TOTAL, MASK, RATES = range(5)
-"""Live rows of each layer of a scheme of some stages: the state, the stage (`STAGE`), the sum of the rates so far, the
-mask, and the rates of all stages but the last where later stages need them."""
+
+
+class LiveRows(NamedTuple):
+    """Rows (layers, rows, cells) of a scheme of some stages that are between its levels.
+
+    The ``state``, the ``stage``, the ``total`` of the weighted rates so far, the ``mask``; and, where later stages need
+    them, the ``rates`` of all stages, as many rows one after the other for each live row.
+    """
+
+    state: Array
+    stage: Array
+    total: Array
+    mask: Array
+    rates: Array
 
 
 class TermRule(NamedTuple):
@@ -66,7 +77,7 @@ class TermPlanes(NamedTuple):
     """Planes (n, layers, rows, cols) of a task.
 
     ``start`` is the state of step 0; ``states`` (k, n, ...) those of later steps in turn, step m at m modulo k;
-    ``inputs`` (k, n, ...) of channels; ``w``; and the words of the mask (n * layers, rows, words), without words none.
+    ``inputs`` (k, n, ...) of channels; ``w``; and the ``mask`` as truth values, without cells none.
     """
 
     start: Array
@@ -77,10 +88,11 @@ class TermPlanes(NamedTuple):
 
 
 class Job(NamedTuple):
-    """A task for the cells [r0, r1) x [c0, c1) of grid g in the step ``number``."""
+    """A task for the cells [r0, r1) x [c0, c1) of grid g from the state ``number``; STEP takes ``steps`` at once."""
 
     task: int
     number: int
+    steps: int
     g: int
     r0: int
     r1: int
@@ -95,24 +107,50 @@ def inset(r: int) -> int:
 
 
 @helper
-def tile_sizes(rule: TermRule, width: int) -> tuple[int, int, int, int]:
-    """Return the live rows, the rows of a ring, the cells of a row and the sets of live rows of a tile."""
+def tile_sizes(rule: TermRule, width: int, depth: int) -> tuple[int, int, int, int]:
+    """Return the live rows, the rates kept for each, the rows of a ring and the cells of a row of a tile that takes
+    ``depth`` steps at once.
+    """
     _, _, _, _, _, ahead, keeps, _, _, _, _, _, _, _, _, r, _, _, _, low = rule
-    levels = ahead.size
+    levels = depth * ahead.size
     # an odd number of vectors, so that rows that are used together do not fight for cache sets
     stride = inset(r) + PAD * (((width + r + PAD - 1) // PAD) | 1)
-    sets = 0 if levels == 1 else RATES + (levels - 1) * keeps
-    return (low, low, stride, sets) if low else (levels * r + 1, 2 * r + 1, stride, sets)
+    live = 0 if levels == 1 else low if low else levels * r + 1
+    return live, ahead.size * keeps, low if low else 2 * r + 1, stride
 
 
 @helper
 def _keep_masked(out: Array, mask: Array, x: Array) -> None:
     for j in range(out.size):
-        out[j] = x[j] if mask[j] > 0 else out[j]
+        out[j] = x[j] if mask[j] else out[j]
 
 
 @helper
-def _step_row(out: Array, x: Array, gain: float, total: Array) -> None:
+def _euler_row(out: Array, x: Array, gain: float, drive: Array) -> None:
+    for j in range(out.size):
+        out[j] = x[j] + gain * (drive[j] - x[j])
+
+
+@helper
+def _stage_row(drive: Array, stage: Array, total: Array, x: Array, weights: tuple[float, float], gain: float) -> None:
+    """Add the rate, drive - stage, to the total, and replace the drive by the next stage."""
+    b, a = weights
+    zero = x.dtype.type(0)
+    for j in range(drive.size):
+        k = drive[j] - stage[j]
+        total[j] += b * k
+        drive[j] = x[j] + gain * (zero + a * k)
+
+
+@helper
+def _last_row(out: Array, drive: Array, stage: Array, total: Array, x: Array, b: float, gain: float) -> None:
+    """Write the state after the step, from the drive of the last stage."""
+    for j in range(out.size):
+        out[j] = x[j] + gain * (total[j] + b * (drive[j] - stage[j]))
+
+
+@helper
+def _sum_row(out: Array, x: Array, gain: float, total: Array) -> None:
     for j in range(out.size):
         out[j] = x[j] + gain * total[j]
 
@@ -133,26 +171,41 @@ def _stop(row: Array, x: Array, mask: Array, limited: bool, masked: bool) -> Non
 
 
 @helper
-def _next_stage(live: Array, work: WorkRows, scheme: Any, stage: int, gain: float, how: tuple[bool, bool]) -> None:
-    """Go from the drives of a stage, in ``work``, to the next stage; after the last one ``spare`` is the new state."""
-    table, count, keeps = scheme
-    drive, spare, n = work.drive, work.spare, work.drive.size
-    x, of_stage, total, mask = live[STATE][:n], live[STAGE][:n], live[TOTAL][:n], live[MASK][:n]
-    subtract(drive, drive, of_stage)
-    add_weighted(total, table[count * count + stage], drive)
+def _begin_step(live: LiveRows, at: tuple[int, int], x: Array) -> None:
+    """Begin a step from a row of the state; ``at`` are the layer and the live row."""
+    (layer, place), n = at, x.size
+    copy_row(live.state[layer, place][:n], x)
+    copy_row(live.stage[layer, place][:n], x)
+    _fill(live.total[layer, place][:n], 0)
+
+
+@helper
+def _next_stage(
+    live: LiveRows, at: tuple[int, int], work: WorkRows, scheme: Any, stage: int, gain: float, how: tuple[bool, bool]
+) -> None:  # fmt: skip
+    """Go from the drives of a stage, in ``work``, to the next stage; after the last one ``spare`` is the new state.
+
+    ``at``: the layer and the live row. ``how``: whether states are limited, and masked.
+    """
+    (layer, place), (table, count, keeps), n = at, scheme, work.drive.size
+    x, of_stage, total = live.state[layer, place][:n], live.stage[layer, place][:n], live.total[layer, place][:n]
+    mask, drive, spare = live.mask[layer, place][:n], work.drive, work.spare
+    b, row = table[count * count + stage], (stage + 1) * count
     if stage + 1 == count:
-        _step_row(spare, x, gain, total)
+        _last_row(spare, drive, of_stage, total, x, b, gain)
         _stop(spare, x, mask, how[0], how[1])
         return
-    row = (stage + 1) * count
-    _fill(spare, 0)
     if keeps:
-        copy_row(live[RATES + stage][:n], drive)
+        rates = live.rates[layer, place * count : (place + 1) * count]
+        subtract(drive, drive, of_stage)
+        add_weighted(total, b, drive)
+        copy_row(rates[stage][:n], drive)
+        _fill(spare, 0)
         for earlier in range(stage + 1):
-            add_weighted(spare, table[row + earlier], live[RATES + earlier][:n])
+            add_weighted(spare, table[row + earlier], rates[earlier][:n])
+        _sum_row(drive, x, gain, spare)
     else:
-        add_weighted(spare, table[row + stage], drive)
-    _step_row(drive, x, gain, spare)
+        _stage_row(drive, of_stage, total, x, (b, table[row + stage]), gain)
     _stop(drive, x, mask, how[0], how[1])
     copy_row(of_stage, drive)
 
@@ -164,7 +217,7 @@ def _check_row(drive: Array, x: Array, mask: Array, limited: bool, masked: bool)
     for j in range(x.size):
         change = drive[j] - x[j]
         against = limited and ((x[j] >= 1 and change > 0) or (x[j] <= -1 and change < 0))
-        if not (masked and mask[j] > 0):
+        if not (masked and mask[j]):
             unsaturated |= not saturated(x[j], drive[j], one)
             if not against:
                 largest = max(largest, abs(change))
@@ -196,17 +249,20 @@ def _differs(v: Array, w: Array) -> bool:
 
 
 def step_tile(
-    job: Job, planes: TermPlanes, rule: TermRule, live: Array, rings: Array, work: WorkRows, found: Array
+    job: Job, planes: TermPlanes, rule: TermRule, live: LiveRows, rings: Array, work: WorkRows, found: Array
 ) -> None:
     """Do a job in all layers of a grid.
 
-    ``live`` rows (layers, rows, sets, cells), the ``rings`` (levels, channels, cells) and ``work`` are scratch memory.
+    The ``live`` rows, the ``rings`` of rows of channels (levels, channels, cells) and ``work`` are scratch memory.
     ``found`` gets the largest rate or change of each layer; then whether a row differs from that of two steps ago, and
     whether a cell is not saturated.
     """
-    task, number, g, r0, r1, c0, c1 = job
+    task, number, steps, g, r0, r1, c0, c1 = job
     start, states, inputs = uncounted(planes[0]), uncounted(planes[1]), uncounted(planes[2])
-    w, mask, live, rings = uncounted(planes[3]), uncounted(planes[4]), uncounted(live), uncounted(rings)
+    w, mask, rings = uncounted(planes[3]), uncounted(planes[4]), uncounted(rings)
+    live = LiveRows(
+        uncounted(live.state), uncounted(live.stage), uncounted(live.total), uncounted(live.mask), uncounted(live.rates)
+    )
     function, _, gains, limited, table, ahead, keeps, kind, places, values = rule[:10]
     channels, terms, taps, weights, numbers, r, code, of_input, of_state, low = rule[10:]
     field = uncounted(terms), uncounted(taps), uncounted(weights), uncounted(numbers)
@@ -214,7 +270,7 @@ def step_tile(
     channels, places, values = uncounted(channels), uncounted(places), uncounted(values)
     of_channels = function, channels, (kind, places, values), (r, code, of_input, of_state)
     (_, layers, rows, cols), kept, masked = start.shape, states.shape[0], mask.size > 0
-    levels = ahead.size if task == STEP else 1
+    levels, count = (steps if task == STEP else 1) * ahead.size, ahead.size
     lag, ring = (low, low) if low else (r, 2 * r + 1)
     wraps, reach = code == PERIODIC and not low, 0 if low else levels * r
     lo, hi, top, bottom = c0 - reach, c1 + reach, r0 - reach, r1 + reach
@@ -240,34 +296,33 @@ def step_tile(
             i, margin = base - level * lag, (levels - level) * r
             if i < max(r0 - margin, top) or i >= min(r1 + margin, bottom):
                 continue
-            slot, place = (i - top) % ring, (i - top) % max(1, live.shape[1])
+            slot, place = (i - top) % ring, (i - top) % max(1, live.state.shape[1])
             if level > 0:
                 find_lines(lines, i, slot, (ring, stride, first), (rows, code, low > 0))
             for layer in range(layers if level > 0 or levels > 1 else 0):
                 if level == 0:
-                    sets = live[layer, place]
                     load_row(rows_of.spare, now[layer], i, lo)
-                    copy_row(sets[STATE][:n], rows_of.spare)
-                    copy_row(sets[STAGE][:n], rows_of.spare)
-                    _fill(sets[TOTAL][:n], 0)
+                    _begin_step(live, (layer, place), rows_of.spare)
                     if masked:
-                        load_bits(sets[MASK][:n], mask[g * layers + layer], i, lo, cols)
+                        load_row(live.mask[layer, place][:n], mask[g, layer], i, lo)
                     continue
                 load_row(drive, w[g, layer], i, lo)
                 add_terms(function, rows_of, rings[level - 1], lines, layer, field, (i, lo))
                 if levels > 1:
-                    _next_stage(live[layer, place], rows_of, scheme, level - 1, gains[layer], (limited, masked))
+                    at_row, stage = (layer, place), (level - 1) % count
+                    _next_stage(live, at_row, rows_of, scheme, stage, gains[layer], (limited, masked))
                     if level == levels:
                         copy_row(after[layer, i][c0:c1], rows_of.spare[inner : inner + wanted])
+                    elif stage + 1 == count:
+                        _begin_step(live, at_row, rows_of.spare)
                     continue
                 held, x = rows_of.mask[:wanted], now[layer, i][c0:c1]
                 if masked:
-                    load_bits(held, mask[g * layers + layer], i, c0, cols)
+                    load_row(held, mask[g, layer], i, c0)
                 if task == DRIVE:
                     copy_row(w[g, layer, i][c0:c1], to)
                 elif task == STEP:
-                    subtract(to, to, x)
-                    _step_row(spare, x, gains[layer], to)
+                    _euler_row(spare, x, gains[layer], to)
                     _stop(spare, x, held, limited, masked)
                     copy_row(after[layer, i][c0:c1], spare)
                 elif task == CHECK:
@@ -285,6 +340,6 @@ def step_tile(
                     copy_row(after[layer, i][c0:c1], spare)
             if level < levels:
                 fill_channels(
-                    of_channels, sources, rings[level], slot * stride + first, live, place if levels > 1 else NOTHING,
-                    (number, ahead[level]), (i, lo, n, not wraps),
+                    of_channels, sources, rings[level], slot * stride + first, live.stage,
+                    place if levels > 1 else NOTHING, (number, ahead[level % count]), (i, lo, n, not wraps),
                 )  # fmt: skip

@@ -13,7 +13,7 @@ from cnnsim.backends.cpu.compiled import call, compiled_at, records, threads_for
 from cnnsim.backends.cpu.tiles.functions import functions
 from cnnsim.backends.cpu.tiles.grid import tile_area
 from cnnsim.backends.cpu.tiles.term_sums import WorkRows
-from cnnsim.backends.cpu.tiles.term_tile import Job, TermPlanes, TermRule, step_tile, tile_sizes
+from cnnsim.backends.cpu.tiles.term_tile import Job, LiveRows, TermPlanes, TermRule, step_tile, tile_sizes
 from cnnsim.backends.slices import PIECE, TERM, pieces
 from cnnsim.backends.term_table import Function, TapColumns, TermColumns, TermTable
 from cnnsim.network.frames import at_step
@@ -42,39 +42,43 @@ def step_of(dtype: np.dtype[Any]) -> Any:
     table = TermTable((), terms, TapColumns(none, none, none, row), plane[0], row, 0)
     rule = _rule(table, _channel_records(table, outputs=True), (row, True, row, none, True), (0, row, row),
                  (0, 0, zero, zero, 0))  # fmt: skip
-    planes = plane, later, later, plane, np.empty((0, 0, 0), np.uint64)
-    given = Job(0, 0, 0, 0, 0, 0, 0), planes, (0, 0, *rule), plane, later[0, 0], WorkRows(*7 * [row]), row
+    planes = plane, later, later, plane, plane > 0
+    live = LiveRows(plane[0], plane[0], plane[0], plane[0] > 0, plane[0])
+    given = Job(*8 * [0]), planes, (0, 0, *rule), live, plane[0], WorkRows(row, row, row, row, row, row > 0, row), row
     return compiled_at(step_tile, types.void(*map(numba.typeof, given)))
 
 
 @twins
 def advance(
-    planes: TermPlanes, rule: TermRule, tiles: tuple[int, int, int, int], found: Array,
+    planes: TermPlanes, rule: TermRule, tiles: tuple[int, int, int, int, int], found: Array,
     task: tuple[int, int, int, int, int],
 ) -> None:  # fmt: skip
-    """Do a ``task`` (its code, the first step, how many, the first tile, the one after the last).
+    """Do a ``task`` (its code, the number of the state, how many steps, the first tile, the one after the last).
 
-    ``tiles``: threads, rows and columns of a tile, most columns with those around it. DRIVE adds all terms to w. STEP
-    goes from the states k to the states k + 1 by a scheme. DISCRETE writes the outputs that the drives make. CHECK
-    writes nothing. ``found`` has a row for each thread.
+    ``tiles``: threads, rows and columns of a tile, most columns with those around it, steps a pass. DRIVE adds all
+    terms to w. STEP goes from the state k to the state k + 1 in each pass. DISCRETE writes the outputs that the drives
+    make. CHECK writes nothing. ``found`` has a row for each thread.
     """
-    threads, height, wide, width = tiles
-    code, first, count, tile, after = task
+    threads, height, wide, width, depth = tiles
+    code, number, count, tile, after = task
     n, layers, rows, cols = planes[0].shape
-    live, ring, stride, sets = tile_sizes(rule, width)
-    levels, channels, size = rule[5].size, rule[10].size, found.dtype
-    lives = np.empty((threads, layers, live, sets, stride), size)
-    rings = np.empty((threads, levels, channels, (ring + 1) * stride), size)
-    work = np.empty((threads, 7, stride), size)
-    for number in range(first, first + count):
+    live, kept, ring, stride = tile_sizes(rule, width, depth)
+    lives = np.empty((3, threads, layers, live, stride), found.dtype)
+    rates = np.empty((threads, layers, live * kept, stride), found.dtype)
+    rings = np.empty((threads, depth * rule[5].size, rule[10].size, (ring + 1) * stride), found.dtype)
+    work, masks = np.empty((threads, 6, stride), found.dtype), np.empty((threads, layers, live + 1, stride), np.bool_)
+    while count > 0:
+        steps = min(depth, count)
         for thread in prange(threads):
             of = work[thread]
-            rows_of = WorkRows(of[0], of[1], of[2], of[3], of[4], of[5], of[6])
+            live_rows = LiveRows(lives[0, thread], lives[1, thread], lives[2, thread], masks[thread], rates[thread])
+            rows_of = WorkRows(of[0], of[1], of[2], of[3], of[4], masks[thread, 0, live], of[5])
             for each in range(tile + thread * (after - tile) // threads,
                               tile + (thread + 1) * (after - tile) // threads):  # fmt: skip
                 g, area = tile_area(each, (n, rows, cols), height, wide)
-                job = Job(code, number, g, area.r0, area.r1, area.c0, area.c1)
-                call(rule[1], (job, planes, rule, lives[thread], rings[thread], rows_of, found[thread]))
+                job = Job(code, number, steps, g, area.r0, area.r1, area.c0, area.c1)
+                call(rule[1], (job, planes, rule, live_rows, rings[thread], rows_of, found[thread]))
+        count, number = count - steps, number + 1
 
 
 class TermTiles:
@@ -97,9 +101,10 @@ class TermTiles:
         low = rows if torus and max(rows, cols) <= LOW else 0
         down = 1 if low else max(-(-rows // HIGH), min(-(-threads // n), -(-rows // LEAST)))
         height, wide = -(-rows // down), -(-cols // -(-cols // WIDE))
-        around = 0 if low else 2 * stages * r
+        self.depth = 1 if scheme is None or plan.method == "general" else plan.depth
+        around = 0 if low else 2 * self.depth * stages * r
         self.count = n * -(-rows // height) * -(-cols // wide)
-        self._tiles = threads, height, wide, wide + around if torus else min(cols, wide + around)
+        self._tiles = threads, height, wide, wide + around if torus else min(cols, wide + around), self.depth
         self._seen = _channel_records(table, outputs=plan.cell != "discrete-time")
         kind, places, at, values, numbers = f or Function(0, 0, 0, 0, np.empty(0, dtype))
         numbers_of = numbers[at : at + places].copy(), numbers[values:].copy()
@@ -109,7 +114,7 @@ class TermTiles:
         rule = _rule(table, self._seen, steps, (int(kind), *numbers_of), edge)
         self._rule = tuple(TermRule(*(int(function.address) for function in self._compiled), *rule))
         self._found = np.zeros((threads, layers + FOUND + APART), dtype)
-        self._inputs = np.empty((0, *shape), dtype)
+        self.inputs = np.empty((0, *shape), dtype)
 
     def start_span(self, number: int, u: Any) -> None:
         """Use the inputs of step ``number`` from now on."""
@@ -121,23 +126,26 @@ class TermTiles:
                 planes += [plane] if at == len(planes) else []
                 self._seen["plane"][m] = at
         if planes:  # inputs of several times are copied
-            self._inputs = planes[0][None] if len(planes) == 1 else np.stack(planes)
+            self.inputs = planes[0][None] if len(planes) == 1 else np.stack(planes)
 
-    def do(self, task: TaskCode, planes: tuple[Array, Array, Array, Array], first: int, count: int) -> Array:
-        """Do a task of `advance` in ``count`` steps with the planes start, states, w and mask.
+    def do(self, task: TaskCode, planes: tuple[Array, Array, Array, Array], number: int, count: int) -> Array:
+        """Do a task of `advance` in ``count`` steps from the state ``number``, with the planes start, states, w, mask.
 
-        Return what the threads found: see `step_tile`. A step that takes long is cut into pieces, so that Python can
+        Return what the threads found: see `step_tile`. A pass that takes long is cut into pieces, so that Python can
         handle signals in between.
         """
         start, states, w, mask = planes
-        whole, self._found[:] = (start, states, self._inputs, w, mask), 0
+        whole, self._found[:] = (start, states, self.inputs, w, mask), 0
         given = whole, self._rule, self._tiles, self._found
-        if self.work <= PIECE:
-            self._loop(*given, (int(task), first, count, 0, self.count))
+        work = self.work * min(count, self.depth)
+        if work <= PIECE:
+            self._loop(*given, (int(task), number, count, 0, self.count))
         else:
-            for number in range(first, first + count):
-                for tile, after in pieces(self.count, self.work / self.count, self._tiles[0]):
-                    self._loop(*given, (int(task), number, 1, tile, after))
+            for done in range(0, count, self.depth):
+                steps = min(self.depth, count - done)
+                for tile, after in pieces(self.count, work / self.count, self._tiles[0]):
+                    self._loop(*given, (int(task), number, steps, tile, after))
+                number += 1
         found: Array = self._found.max(axis=0)[: self.shape[1] + FOUND]
         return found
 
