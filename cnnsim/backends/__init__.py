@@ -10,7 +10,7 @@ from importlib import import_module
 
 from numpy.typing import DTypeLike
 
-from cnnsim.backends.base import Backend, BlockBackend, parse_dtype
+from cnnsim.backends.base import Backend, parse_dtype
 from cnnsim.support import InputError
 from cnnsim.support.errors import not_known
 from cnnsim.support.extras import install_line
@@ -21,7 +21,7 @@ NAMES = ("reference", "cpu", "opencl")
 
 def get(
     name: str = "cpu", dtype: DTypeLike | None = None, device: str | None = None, threads: int | None = None
-) -> BlockBackend:
+) -> Backend:
     """Return the backend called ``name``, working in ``dtype`` (its own default if None).
 
     ``device`` is a number or a part of a name, for backends that have a choice; ``threads`` of the cpu backend, from 1
@@ -45,7 +45,7 @@ def get(
             raise
         raise InputError(f"the opencl backend needs pyopencl: {install_line('opencl')}") from error
     given = [value for value in (device, threads) if value is not None]
-    found: BlockBackend = backend(dtype, *given)
+    found: Backend = backend(dtype, *given)
     return found
 
 

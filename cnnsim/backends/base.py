@@ -1,6 +1,7 @@
 """The protocol of a backend: the whole transient is its business, so the time loop never crosses this line."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -12,7 +13,7 @@ from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
 from cnnsim.operations.routine import Routine, Stores
 from cnnsim.planning.plan import SETTLED_RATE, Plan
-from cnnsim.support import Array, Flags, InputError, Integers
+from cnnsim.support import Array, InputError, Integers
 
 Plane = Any
 """Opaque to everybody but its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are
@@ -37,14 +38,6 @@ class Outcome(NamedTuple):
 
 Area = tuple[tuple[int, int], tuple[int, int]]
 """Rows and columns [first, after) of a grid."""
-
-
-def outside(shape: tuple[int, ...], area: Area, mask: Flags | None) -> Flags:
-    """Return the mask of the cells that are not in an area, or held."""
-    held = np.ones(shape, bool)
-    (r0, r1), (c0, c1) = area
-    held[..., r0:r1, c0:c1] = False if mask is None else mask[..., r0:r1, c0:c1]
-    return held
 
 
 def check_fixed_step(plan: Plan) -> None:
@@ -114,57 +107,37 @@ class Backend(Protocol):
         return None
 
 
-class BlockBackend(Backend, Protocol):
-    """A backend that also steps a part of a grid: a block, with what lies around it."""
-
-    def check(
-        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None, mask: Plane | None, area: Area
-    ) -> "Check":
-        """Check the free cells of an area as a transient from ``x`` checks all before its first step.
-
-        Not of discrete time, where the outputs of two steps say it.
-        """
-
-    def catch_up(
-        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None, mask: Plane | None, area: Area, steps: int
-    ) -> Plane | None:
-        """Take steps of an area in which and around which all outputs stand still, so that drives are constant.
-
-        The states elsewhere are left as they are. None: there is no way that is shorter than the steps themselves.
-        """
-        return None
-
-    def advance(
-        self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None, mask: Plane | None, area: Area, steps: int
-    ) -> Plane | None:
-        """Take steps of which only the cells of an area are wanted; the others end as anything.
-
-        None: there is no way that is shorter than a transient of all cells.
-        """
-        return None
-
-    def take_back(self, plane: Plane) -> None:
-        """Take the end of a transient that is in use no more: the next one may lie in its memory."""
-        return
-
-
 class Check(NamedTuple):
     """What a check of the step that would come found.
 
     ``rate``: the largest |dx/dt| of the free cells (in discrete time, the largest change to come); ``saturated``:
-    whether no output can change any more (see `Plan`); ``repeats``: the state of two steps ago would come again;
-    ``moving``: the area in which all cells lie that are not saturated for good, None where it was not looked for.
+    whether no output can change any more (see `Plan`); ``repeats``: the state of two steps ago would come again.
     """
 
     rate: float
     saturated: bool = False
     repeats: bool = False
-    moving: Area | None = None
 
     @property
     def settled(self) -> bool:
         """Whether the network has settled (see `Plan`)."""
         return self.saturated or self.rate <= SETTLED_RATE
+
+
+def check_area(
+    backend: Backend, plan: Plan, planes: tuple[Plane, Plane | None, Plane | None, Plane | None], area: Area
+) -> Check:
+    """Check the cells of an area that the mask leaves free; ``planes`` are state, input, bias and mask.
+
+    Not of discrete time, where the outputs of two steps are compared.
+    """
+    x, u, bias, mask = planes
+    held = np.ones(x.shape, bool)
+    (r0, r1), (c0, c1) = area
+    held[..., r0:r1, c0:c1] = False if mask is None else backend.read(mask)[..., r0:r1, c0:c1]
+    now = replace(plan, duration="settled", limit=0.0)
+    found = backend.transient(now, x, u, bias, backend.load(held, "llm"))
+    return Check(found.rate, found.saturated)
 
 
 class Stepper(Protocol):

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim import backends
-from cnnsim.backends.base import BlockBackend, Check
+from cnnsim.backends.base import Backend, Check, check_area
 from cnnsim.planning.plan import Plan
 from cnnsim.supersteps.blocks import Area, Blocks, read_cells
 from cnnsim.supersteps.store import zarr_library
@@ -61,7 +61,7 @@ class BlockReport:
 
 
 @cache
-def backend_of(place: Place) -> tuple[BlockBackend, str]:
+def backend_of(place: Place) -> tuple[Backend, str]:
     """Return the backend of this process and the title of its OpenCL device: one of its own if none is chosen."""
     if place.backend != "opencl":
         return backends.get(place.backend, place.dtype, place.device, 1 if place.backend == "cpu" else None), ""
@@ -91,7 +91,7 @@ def run_block(task: BlockTask) -> BlockReport:
 class _BlockSteps:
     """The time steps of a block with its halo on a backend; ``inside`` is the area of the block."""
 
-    def __init__(self, where: BlockBackend, plan: Plan, planes: dict[str, Array], inside: Area) -> None:
+    def __init__(self, where: Backend, plan: Plan, planes: dict[str, Array], inside: Area) -> None:
         self._where, self._plan, self._inside = where, plan, inside
         self._x = where.load(planes[STATE], "lam", copy=False)
         self._u, self._bias, self._mask = (
@@ -126,7 +126,7 @@ class _BlockSteps:
         return self._where.transient(self._plans[steps], x, self._u, self._bias, self._mask).x
 
     def _checked(self, x: Any) -> Check:
-        return self._where.check(self._plan, x, self._u, self._bias, self._mask, self._inside)
+        return check_area(self._where, self._plan, (x, self._u, self._bias, self._mask), self._inside)
 
     def _compared(self, before: Any, x: Any) -> Check:
         """Check a state of discrete time: the largest change to come, and whether that leads back to ``before``."""

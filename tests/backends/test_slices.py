@@ -48,7 +48,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, float], None]:
     def cut(first: float, piece: float) -> None:
         for name, value in {"FIRST": first, "SLICE": 1e-9, "PIECE": piece}.items():
             monkeypatch.setattr(slices, name, value)
-        monkeypatch.setattr("cnnsim.backends.cpu.terms.tiles.PIECE", piece)
+        monkeypatch.setattr("cnnsim.backends.cpu.tiles.term_tiles.PIECE", piece)
 
     return cut
 

@@ -11,14 +11,11 @@ from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
 from cnnsim.backends.base import (
-    Area,
-    BlockBackend,
-    Check,
+    Backend,
     Memory,
     Outcome,
     check_finite,
     check_fixed_step,
-    outside,
     parse_dtype,
 )
 from cnnsim.backends.cpu import bits as packed
@@ -49,7 +46,7 @@ announce(cache_folder(planes.clip.serial))
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
 
 
-class CpuBackend(BlockBackend):
+class CpuBackend(Backend):
     """LAM planes are contiguous NumPy arrays in ``dtype``, LLM planes are `Bits`.
 
     ``threads`` share the work of a large grid, None for all cores; small grids take one (see `THREADS_PAY_FROM`).
@@ -153,19 +150,6 @@ class CpuBackend(BlockBackend):
         for part in pieces(lines, work / lines):
             loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
         return w
-
-    def check(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Bits | None, area: Area) -> Check:
-        check_fixed_step(plan)
-        held = outside(x.shape, area, None if mask is None else self._unpack(mask, np.dtype(bool)))
-        if plan.method == "general":
-            steps = TermSteps(TermNetwork(plan, x, u, bias, held))
-            steps.start_span(0)
-            return steps.check_settled(0, last=True)
-        ready = self._ready(plan)
-        w = self._drive(plan, ready, x, u, bias)
-        found = TermSteps(Network(plan, x, w, held)).check_settled(0, last=True)
-        self._pool.keep(w)
-        return found
 
     def _ready(self, plan: Plan) -> Prepared:
         ready = self._prepared.get(plan)

@@ -14,14 +14,11 @@ from numpy.typing import DTypeLike, NDArray
 
 from cnnsim.backends import driver
 from cnnsim.backends.base import (
-    Area,
-    BlockBackend,
-    Check,
+    Backend,
     Memory,
     Outcome,
     check_finite,
     check_fixed_step,
-    outside,
     parse_dtype,
 )
 from cnnsim.backends.opencl.control import closed_form, control
@@ -40,7 +37,6 @@ from cnnsim.backends.opencl.planes import (
     new_plane,
     words_of,
 )
-from cnnsim.backends.opencl.settled import CheckedSteps
 from cnnsim.network import Boundary, Characteristic
 from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
@@ -49,7 +45,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError
 
 
-class OpenCLBackend(BlockBackend):
+class OpenCLBackend(Backend):
     """Computes on one OpenCL device, in float32 or float64; one thread at a time launches (see `DeviceContext`).
 
     Arguments: ``device`` as in `choose_device`; ``family`` of kernels, None for the device's own.
@@ -143,19 +139,6 @@ class OpenCLBackend(BlockBackend):
             if not fine:
                 check_finite(self.read(state), outcome.t)
             return outcome._replace(x=state)
-
-    def check(self, plan: Plan, x: DevicePlane, u: Any, bias: Any, mask: DevicePlane | None, area: Area) -> Check:
-        check_fixed_step(plan)
-        held = self.load(outside(x.shape, area, None if mask is None else self.read(mask)), "llm").buffer
-        context, grid = self._context, x.grid
-        with context.lock:
-            u, bias = buffers(u), buffers(bias)
-            if plan.method == "general":
-                steps = NetworkSteps(context, plan, grid, x.buffer, u, bias, held)
-                steps.start_span(0)
-                return steps.check_settled(0, last=True)
-            planes = LinearPlanes(x.buffer, control(context, plan, grid, u, bias), held)
-            return CheckedSteps(context, plan, grid, planes).check_settled(0, last=True)
 
     def cellwise(
         self, operation: Cellwise, planes: Sequence[DevicePlane], parameters: Sequence[float]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cnnsim.backends import driver
-from cnnsim.backends.base import Area, BlockBackend, Check, Memory, Outcome, check_finite, outside, parse_dtype
+from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
 from cnnsim.backends.reference import adaptive
 from cnnsim.backends.reference.closed import closed_form
 from cnnsim.backends.reference.drive import control
@@ -23,7 +23,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError, Integers
 
 
-class ReferenceBackend(BlockBackend):
+class ReferenceBackend(Backend):
     """Planes are NumPy arrays, float64 for LAM and bool for LLM."""
 
     name = "reference"
@@ -67,12 +67,6 @@ class ReferenceBackend(BlockBackend):
         if plan.method == "adaptive":
             return adaptive.linear(plan, x, w, free)
         return driver.run(plan, LinearSteps(plan, x, w, free))
-
-    def check(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Array | None, area: Area) -> Check:
-        held = outside(x.shape, area, mask)
-        if plan.method == "general":
-            return TermSteps(Network(plan, x, u, bias, held)).check_settled(0, last=True)
-        return LinearSteps(plan, x, control(plan, x, u, bias), ~held).check_settled(0, last=True)
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Array], parameters: Sequence[float]) -> tuple[Array, ...]:
         return operation.array(*planes, *parameters)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from cnnsim import library
 from cnnsim.backends import get
 from cnnsim.backends.cpu.backend import CpuBackend
+from cnnsim.backends.cpu.tiles.euler import TILE_COLS
 from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
-from cnnsim.backends.cpu.tiles.tiled import TILE_COLS
 from cnnsim.convergence import NotSettledError
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Template, fixed
 from cnnsim.planning.plan import make_plan

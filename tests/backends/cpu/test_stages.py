@@ -7,7 +7,6 @@ import pytest
 
 from cnnsim import Template
 from cnnsim.backends import get
-from cnnsim.backends.base import outside
 from cnnsim.backends.driver import run
 from cnnsim.backends.reference.transient import LinearSteps
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, fixed
@@ -82,13 +81,3 @@ def test_the_threads_change_no_bit() -> None:
     plan = make_plan(NINE, x.shape, ZERO_FLUX, duration=0.5, scheme="rk4", step=0.1)
     one, other = (get("cpu", "float32", None, threads).transient(plan, x, None).x for threads in (1, 2))
     np.testing.assert_array_equal(one, other)
-
-
-@pytest.mark.parametrize("cell", ["chua-yang", "full-range"])
-def test_a_check_of_an_area_lets_the_others_pass(cell: Any) -> None:
-    where, x = BACKENDS["float64"], np.random.default_rng(1).uniform(-1, 1, (30, 70))
-    plan = make_plan(NINE, x.shape, ZERO_FLUX, scheme="rk4", step=0.1, cell=cell)
-    area = ((3, 9), (60, 70))
-    found = where.check(plan, x, None, None, None, area)
-    wanted = LinearSteps(plan, x, np.full_like(x, NINE.z), ~outside(x.shape, area, None)).check_settled(0, last=True)
-    assert (found.rate, found.saturated) == (wanted.rate, wanted.saturated)
