@@ -1,9 +1,9 @@
-"""Where transients are computed: `get` finds a backend by its name.
+"""Backends, which compute transients: `get` returns one by its name.
 
 From `cnnsim.run_transient` to the innermost loop are five calls at most: the backend's ``transient``, the time loop
-(`driver.run`), the stepper's ``advance``, on the CPU the compiled loop over steps, and in it the loop over rows; with
-OpenCL the launch of a kernel. The steps by tiles of the CPU check in their compiled loop: ``transient``,
-``by_tiles``, `dense` or `sleeping`, a tile, its rows.
+(`driver.run`), the stepper's ``advance``, on the CPU the compiled loop over tiles, and a tile; with OpenCL the launch
+of a kernel. Euler steps of a linear template on the CPU: ``transient``, `EulerTiles.run`, `dense` or `sleeping` with
+the compiled time loop, a tile, its rows.
 """
 
 from importlib import import_module
@@ -16,19 +16,19 @@ from cnnsim.support.errors import not_known
 from cnnsim.support.extras import install_line
 
 NAMES = ("reference", "cpu", "opencl")
-"""Each is a folder of this package, whose module ``backend`` has the class as ``BACKEND``."""
+"""Each is a folder of this package; ``BACKEND`` of its module ``backend`` is the class."""
 
 
 def get(
     name: str = "cpu", dtype: DTypeLike | None = None, device: str | None = None, threads: int | None = None
 ) -> Backend:
-    """Return the backend called ``name``, working in ``dtype`` (its own default if None).
+    """Return the backend called ``name`` for numbers of ``dtype`` (its own default if None).
 
-    ``device`` is a number or a part of a name, for backends that have a choice; ``threads`` of the cpu backend, from 1
-    to the number of cores, None for as many as pay on a grid.
+    ``device`` of the opencl backend is a number or a part of a name; ``threads`` of the cpu backend are from 1
+    to the number of cores, None for all cores.
 
     Raises:
-        InputError: no such backend, one that is not installed, or one that cannot work in this dtype.
+        InputError: no such backend, or it is not installed, or it has no such dtype.
     """
     if name not in NAMES:
         if name.lower() in ("gpu", "cuda"):  # by its letters the cpu would be the nearest
@@ -50,10 +50,10 @@ def get(
 
 
 def chosen(backend: str | Backend, dtype: DTypeLike | None = None, threads: int | None = None) -> Backend:
-    """Return the backend of a name, as `get`, or the backend that is given: its numbers and threads are its own.
+    """Return the backend of a name, as `get`, or a given backend itself, which has its own dtype and threads.
 
     Raises:
-        InputError: as `get`; something else, or another dtype or threads than those of the backend that is given.
+        InputError: as `get`; not a backend; another dtype or threads for a given backend.
     """
     if isinstance(backend, str):
         return get(backend, dtype, threads=threads)

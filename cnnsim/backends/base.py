@@ -1,4 +1,4 @@
-"""The protocol of a backend: the whole transient is its business, so the time loop never crosses this line."""
+"""The protocol of a backend, which runs whole transients, and of the steppers of its time loop."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -16,8 +16,8 @@ from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array, InputError, Integers
 
 Plane = Any
-"""Opaque to everybody but its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are
-(rows, cols), or (n, rows, cols) for n grids that know nothing of each other."""
+"""A plane in the form of its backend. A LAM plane holds real numbers, an LLM plane black and white. Grids are
+(rows, cols), or (n, rows, cols) for n independent grids."""
 
 Memory = Literal["lam", "llm"]
 
@@ -25,8 +25,8 @@ Memory = Literal["lam", "llm"]
 class Outcome(NamedTuple):
     """The end of a transient: the state plane, the time [time constants], whether it settled, the largest |dx/dt|.
 
-    ``rate`` is NaN where it was not asked for (a fixed duration, a closed form at a finite time). ``saturated``: the
-    check saw that no output can change any more, so that nobody need read the plane to know it.
+    ``rate`` is NaN where it is not computed (a fixed duration, a closed form at a finite time). ``saturated``: the last
+    check found that no output can change any more.
     """
 
     x: Plane
@@ -41,10 +41,10 @@ Area = tuple[tuple[int, int], tuple[int, int]]
 
 
 def check_fixed_step(plan: Plan) -> None:
-    """Refuse the adaptive scheme, which is the reference backend's alone.
+    """Refuse the adaptive scheme, which only the reference backend has.
 
     Raises:
-        InputError: the plan has it.
+        InputError: the plan has the adaptive scheme.
     """
     if plan.method == "adaptive" or (plan.method == "general" and plan.cell != "discrete-time" and plan.scheme is None):
         raise InputError(
@@ -53,30 +53,33 @@ def check_fixed_step(plan: Plan) -> None:
 
 
 class Backend(Protocol):
-    """What the machine asks of a place that computes."""
+    """Operations of a backend."""
 
     name: str
     dtype: np.dtype[Any]
 
     def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Plane:
-        """Bring an array in; into an LLM everything above 0 is black. ``copy=False``: it stays as it is meanwhile."""
+        """Return an array as a plane; values above 0 are black in an LLM.
+
+        ``copy=False``: the caller does not change the array.
+        """
 
     def constant(self, value: float | Array, shape: tuple[int, ...], memory: Memory) -> Plane:
-        """Make a plane of one number, or of one for each grid of a batch."""
+        """Return a plane of one number, or of one for each grid of a batch."""
         return self.load(np.full(shape, value), memory)
 
     def read(self, plane: Plane, *, copy: bool = True) -> Array:
-        """Bring a plane out as an array: floats from a LAM, booleans (True is black) from an LLM.
+        """Return a plane as an array: floats of a LAM, booleans (True is black) of an LLM.
 
-        ``copy=False``: the plane is the end of a transient and in use no more, so the array may be the plane itself.
+        ``copy=False``: the caller needs the plane no longer, so the array may be the plane itself.
         """
 
     def hand_out(self, name: str, plane: Plane) -> Any:
-        """Give a plane as a program's result ``name``: an array, or where planes are not in memory what reads it."""
+        """Return a plane as a program's result ``name``: an array, or a reader of it where planes are not in memory."""
         return self.read(plane)
 
     def convert(self, plane: Plane, memory: Memory) -> Plane:
-        """Give the plane for the other memory: black is +1, white -1; a value above 0 is black."""
+        """Return the plane for the other memory: black is +1, white -1; a value above 0 is black."""
 
     def transient(
         self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None = None, mask: Plane | None = None
@@ -84,7 +87,7 @@ class Backend(Protocol):
         """Run a transient from the state ``x``; LAM planes, but ``mask`` (LLM): black cells keep their state."""
 
     def output(self, x: Plane, f: Characteristic = CLIP) -> Plane:
-        """Give y = f(x)."""
+        """Return y = f(x)."""
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Plane], parameters: Sequence[float]) -> tuple[Plane, ...]:
         """Apply a per-cell operation to LAM planes."""
@@ -99,16 +102,16 @@ class Backend(Protocol):
         """Count the black cells of an LLM plane, the global wire: a number, or (n,) numbers for n grids."""
 
     def prepared(self, routine: Routine) -> Callable[[Stores], Stores | None] | None:
-        """Give what does a routine at one go; None where that saves nothing, so that its steps are done one by one.
+        """Return the compiled routine, or None where compiling saves nothing.
 
-        It takes the planes and registers that are given and returns the results, or None where step by step is to tell
-        why there are none.
+        It takes the given planes and registers and returns the results; None where the steps have to be run one by one
+        to find the error.
         """
         return None
 
 
 class Check(NamedTuple):
-    """What a check of the step that would come found.
+    """Result of a check of a state before its next step.
 
     ``rate``: the largest |dx/dt| of the free cells (in discrete time, the largest change to come); ``saturated``:
     whether no output can change any more (see `Plan`); ``repeats``: the state of two steps ago would come again.
@@ -141,16 +144,16 @@ def check_area(
 
 
 class Stepper(Protocol):
-    """Steps of one transient on a backend; `driver.run` says when to take and to check them.
+    """Steps of one transient on a backend; `driver.run` decides when to take and check them.
 
-    ``work``: sums of a weighted neighbour in one step, a guess; ``together``: steps that are best taken at a stretch.
+    ``work`` estimates the weighted neighbours summed in one step; steps are best taken in multiples of ``together``.
     """
 
     work: float
     together: int = 1
 
     def start_span(self, step: int) -> None:
-        """Take input and bias as they are from this step on; nothing to do where both stand still for ever."""
+        """Use input and bias of this step from now on; nothing to do where both are constant."""
         return
 
     def check_settled(self, step: int, *, last: bool) -> Check:
@@ -168,10 +171,10 @@ class Stepper(Protocol):
 
 
 def parse_dtype(dtype: DTypeLike) -> np.dtype[Any]:
-    """Return a dtype by its name.
+    """Return the dtype of a name.
 
     Raises:
-        InputError: there is none of that name.
+        InputError: there is no such dtype.
     """
     try:
         return np.dtype(dtype)
@@ -180,7 +183,7 @@ def parse_dtype(dtype: DTypeLike) -> np.dtype[Any]:
 
 
 class NotFiniteError(InputError):
-    """A state came out as NaN or infinite."""
+    """A state is NaN or infinite."""
 
 
 def check_finite(x: Array, t: float) -> None:

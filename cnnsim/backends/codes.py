@@ -1,4 +1,4 @@
-"""The numbers by which compiled loops and OpenCL text know tasks, functions and boundaries."""
+"""Codes of tasks, functions and boundaries in compiled loops and OpenCL text."""
 
 from enum import IntEnum
 
@@ -9,7 +9,7 @@ NOTHING = -1
 
 
 class BoundaryCode(IntEnum):
-    """What lies around the grid; see `Boundary`."""
+    """A boundary; see `Boundary`."""
 
     FIXED = 0
     ZERO_FLUX = 1
@@ -17,12 +17,12 @@ class BoundaryCode(IntEnum):
 
 
 def boundary_code(boundary: Boundary) -> BoundaryCode:
-    """Return the number of a boundary, which has its kind as its name."""
+    """Return the code of a boundary."""
     return BoundaryCode[boundary.kind.upper().replace("-", "_")]
 
 
 class FunctionCode(IntEnum):
-    """A function of one variable. A step belongs to what is beyond its place, never to the place itself."""
+    """A function of one variable. At the place of a step the value is that before it."""
 
     IDENTITY = 0
     LINEAR = 1
@@ -33,10 +33,9 @@ class FunctionCode(IntEnum):
 
 
 class TaskCode(IntEnum):
-    """What a loop over the cells does with their drives.
+    """Task of a loop over the cells.
 
-    DRIVE: write them; DISCRETE: write the outputs that they make; STEP: take a step of all stages; CHECK: hand in the
-    largest rate.
+    DRIVE: write the drives; DISCRETE: write the outputs of the drives; STEP: take steps; CHECK: find the largest rate.
     """
 
     DRIVE = 0

@@ -1,32 +1,29 @@
-"""Memory of a transient on a backend: the planes it keeps, what was given and what comes out included."""
+"""Memory of a transient on a backend, given planes and result included."""
 
 from cnnsim.backends.term_table import TermTable, longest_delay, table_of
 from cnnsim.planning.plan import Plan
 
 MASK_BYTES, MASK_BYTES_AS_VALUES = 1.125, 1.0
-"""Bytes a cell of a mask: as truth values where it is checked, and as bits; the closed form and the first outputs of
-discrete time take it as truth values once more."""
+"""Bytes a cell of a mask: as truth values and bits where it is given, and as truth values on the cpu backend."""
 
 
 def cell_bytes(plan: Plan, given: int, itemsize: int, *, has_mask: bool = False, backend: str = "cpu") -> float:
-    """Return the bytes a cell of a transient in numbers of ``itemsize`` bytes, with so many planes ``given``.
+    """Return the bytes a cell of a transient in numbers of ``itemsize`` bytes with ``given`` planes.
 
-    The opencl backend works in what is given, and hands out its result, where the device is the processor: both are the
-    same memory. On another device as much lies there, and less in this machine's memory.
+    On OpenCL the given planes and the result are memory of the device; if that is the processor, they are not copied.
     """
     mask = MASK_BYTES if has_mask else 0.0
     if backend == "opencl":
         return (given + device_planes(plan)) * itemsize + mask
-    values = has_mask and (plan.method == "closed form" or plan.cell == "discrete-time")
-    return (given + working_planes(plan)) * itemsize + mask + (MASK_BYTES_AS_VALUES if values else 0.0)
+    return (given + working_planes(plan)) * itemsize + mask + (MASK_BYTES_AS_VALUES if has_mask else 0.0)
 
 
 def working_planes(plan: Plan) -> float:
-    """Return the planes that a transient on the cpu backend makes besides those it is given: its result, w = B*u + z,
-    and a plane more, since the steps go from one to the other. Of layers there are as many each.
+    """Return the planes of each layer that a transient on the cpu backend makes: its result, w = B*u + z, and the plane
+    with which the steps alternate.
 
-    Terms with a delay keep a plane for each step of the longest, terms with local weights have a plane a weight. The
-    reference backend, which is for small grids, keeps more.
+    Terms with a delay keep a plane for each step of the longest; each local weight is a plane. The reference backend,
+    which is for small grids, keeps more.
     """
     if plan.method == "closed form":
         return 1
@@ -63,7 +60,7 @@ def _delay(plan: Plan) -> int:
 
 
 def _of_terms(plan: Plan) -> float:
-    """Return the planes, a layer, of local weights; and of inputs, where terms look at those of several times."""
+    """Return the planes of each layer of local weights, and of inputs of several times."""
     planes = _local_weights(plan)
     for table in _tables(plan):
         times = {channel.ago for channel in table.channels if channel.quantity == "u"}
@@ -72,7 +69,7 @@ def _of_terms(plan: Plan) -> float:
 
 
 def _local_weights(plan: Plan) -> float:
-    """Return the planes, a layer, of weights that differ from cell to cell."""
+    """Return the planes of each layer of weights that differ from cell to cell."""
     return sum(len(table.planes) for table in _tables(plan)) / _layers(plan)
 
 

@@ -1,7 +1,7 @@
-"""Slices of long computations: how much is done before Python is asked whether somebody wants to stop.
+"""Slices of long computations, between which Python handles signals and reports progress.
 
-Compiled loops and kernels do not hear a signal. So they are given work by slices of about `SLICE` seconds, whose length
-follows the rate of the slice before; what is computed, and when it is checked, stays the same.
+Compiled loops and kernels do not handle signals. They get work in slices of about `SLICE` seconds, whose length follows
+the speed of the slice before; results and checks stay the same.
 """
 
 import math
@@ -12,26 +12,24 @@ from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support.progress import watcher
 
 SLICE = 0.1
-"""Seconds. A stop is heard after one slice; and the bookkeeping of a slice, some microseconds, is nothing to that."""
+"""Seconds of a slice: the longest delay of Ctrl-C. The overhead of a slice is some microseconds."""
 FIRST = 1 << 24
-"""Sums of a weighted neighbour in the first slice, before the rate is known: 3 to 50 ms."""
+"""Weighted neighbours summed in the first slice, before the speed is known: 3 to 50 ms."""
 PIECE = 1 << 28
-"""Such sums in one call that cannot end between two steps: what needs more is cut into rows or tiles."""
+"""Such sums in one call that cannot end between two steps; larger calls are cut into rows or tiles."""
 EXPONENTIALS = 64
-"""Such sums that take as long as the exponentials in the closed form of a cell."""
+"""Such sums that take as long as the closed form of a cell."""
 TERM = 8
 """Such sums that take as long as one value of a term."""
 _FASTER, _SLOWER = 8.0, 0.1
-"""How much longer or shorter than the last slice the next one may be: a slice can be slow because of others."""
+"""Bounds of the ratio of a slice to the one before, because other processes can slow a slice down."""
 
 
 class Pace:
-    """How many units of work are left in this slice of a plan; ``work`` is a guess at the sums in one unit.
+    """The units of work that are ``left`` in this slice of a plan; ``work`` estimates the sums in one unit.
 
-    The first slice has ``most`` units at most.
-
-    A slice has whole multiples of ``together`` units, where that many are done at less cost than one by one: who does
-    them hears a signal while it does them, however long they take.
+    The first slice has at most ``most`` units. A slice has a multiple of ``together`` units, which cost less than one
+    by one; whoever does them handles signals in between.
     """
 
     __slots__ = ("_most", "_plan", "_since", "_together", "left")
@@ -45,9 +43,9 @@ class Pace:
         return self._together * max(1, int(self._most) // self._together)
 
     def turn(self, steps: int, rate: float) -> None:
-        """Begin the next slice: the last one took as long as it took, and so many ``steps`` are done in all.
+        """Begin the next slice after ``steps`` in all, and report progress.
 
-        ``rate`` is the largest |dx/dt| that the last check found, NaN where none looked for it.
+        ``rate`` is the largest |dx/dt| of the last check, NaN without one.
         """
         now = perf_counter()
         factor = SLICE / max(now - self._since, 1e-6)
@@ -65,16 +63,16 @@ class Pace:
 
     @staticmethod
     def over() -> None:
-        """The transient has ended."""
+        """Report that the transient has ended."""
         watched_by = watcher()
         if watched_by is not None:
             watched_by.over()
 
 
 def pieces(count: int, work: float, workers: int = 1) -> Sequence[tuple[int, int]]:
-    """Return (first, after) of the pieces into which ``count`` rows or tiles are cut, with ``work`` sums in each.
+    """Return (first, after) of the pieces into which ``count`` rows or tiles with ``work`` sums each are cut.
 
-    All but the last are dealt out to so many ``workers`` without a remainder.
+    All pieces but the last are multiples of ``workers``.
     """
     if count * work <= PIECE:
         return ((0, count),)

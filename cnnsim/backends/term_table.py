@@ -1,6 +1,6 @@
 """Terms of a network as tables of numbers with named columns, for backends that compile their loops.
 
-A *channel* is one thing that terms look at: a quantity of a layer, some steps ago. Terms name channels by number.
+A *channel* is an argument of terms: a quantity of a layer, some steps ago. Terms name channels by number.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from cnnsim.support import Array
 
 
 class Channel(NamedTuple):
-    """A quantity (x, y, u) of a layer, so many steps ago."""
+    """A quantity (x, y, u) of a layer, ``ago`` steps before the present one."""
 
     quantity: str
     layer: int
@@ -24,7 +24,7 @@ class Channel(NamedTuple):
 
 
 class Function(NamedTuple):
-    """A function of one variable: its kind, how many places it has, where they and the values begin in ``numbers``."""
+    """A function of one variable: its kind, its number of places, where they and the values begin in ``numbers``."""
 
     kind: int
     places: int
@@ -62,7 +62,7 @@ class TapColumns(NamedTuple):
 
 class TermTable(NamedTuple):
     """Some terms of a network: ``planes`` (number, rows, cols) are weights that differ from cell to cell, ``numbers``
-    the places and values of all tables, ``radius`` is how far the taps reach.
+    the places and values of all tables, ``radius`` the largest offset of the taps.
     """
 
     channels: tuple[Channel, ...]
@@ -74,20 +74,20 @@ class TermTable(NamedTuple):
 
 
 def kind_of(table: Table | None) -> int:
-    """Return the number of a table's kind."""
+    """Return the code of a table's kind."""
     if table is None:
         return FunctionCode.IDENTITY
     return FunctionCode.LINEAR if table.kind == "linear" else FunctionCode.STEP
 
 
 def places_of(table: Table, dtype: np.dtype[Any]) -> list[float]:
-    """Return a table's places in a precision: of one closed on the left the numbers just below, beyond which it is."""
+    """Return a table's places in a dtype; of a table closed on the left the next smaller numbers."""
     at = np.array(table.at, dtype)
     return np.nextafter(at, dtype.type(-np.inf)).tolist() if table.closed == "left" else at.tolist()
 
 
 def without_flat_ends(table: Table) -> Table:
-    """Return the same function without the places from which a linear table goes on as it does beyond its ends."""
+    """Return the same function without places at the ends of a linear table between which it is constant."""
     at, values = list(table.at), list(table.values)
     if table.kind == "linear":
         while len(at) > 1 and values[0] == values[1]:

@@ -9,9 +9,7 @@ import numba
 from cnnsim.support import InputError
 from cnnsim.support.values import is_whole
 
-_VERBS = ("load", "read", "convert", "output", "transient", "check", "catch_up", "advance", "cellwise", "logic",
-          "neighbourhood", "count")  # fmt: skip
-"""What a backend does on threads."""
+_VERBS = "load", "read", "convert", "output", "transient", "cellwise", "logic", "neighbourhood", "count"
 
 
 def checked_threads(threads: Any) -> int:
