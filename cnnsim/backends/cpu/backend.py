@@ -23,7 +23,7 @@ from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
 from cnnsim.backends.cpu.boundary import virtual_cells
 from cnnsim.backends.cpu.compiled import Kernel, cache_folder
-from cnnsim.backends.cpu.drive import control, controlling
+from cnnsim.backends.cpu.drive import control
 from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
 from cnnsim.backends.cpu.planes import grids
 from cnnsim.backends.cpu.pool import Pool
@@ -148,7 +148,7 @@ class CpuBackend(Backend):
         given, work, lines = self._given(plan, ready, x, u, bias, w)
         loop = control.for_work(work)
         for part in pieces(lines, work / lines):
-            loop(controlling(self.dtype).address, grids(w), given, ready.around_u, *part)
+            loop(grids(w), given, ready.around_u, *part)
         return w
 
     def _ready(self, plan: Plan) -> Prepared:

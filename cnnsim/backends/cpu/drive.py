@@ -1,23 +1,16 @@
-"""What drives a cell without a time loop: w = B*u + z (+ bias map), row by row, the sums in the reference's order."""
+"""The constant part of the drive, w = B*u + z (+ bias map), row by row, summed in the reference's order."""
 
-from functools import cache
 from typing import Any, NamedTuple
 
-import numba
-import numpy as np
-from numba import prange, types
+from numba import prange
 
-from cnnsim.backends.cpu.boundary import VirtualCells, cell, real_row, virtual_cells
-from cnnsim.backends.cpu.compiled import call, compiled_at, helper, tap_type, twins
-from cnnsim.network import ZERO_FLUX
+from cnnsim.backends.cpu.boundary import VirtualCells, cell, real_row
+from cnnsim.backends.cpu.compiled import helper, twins, uncounted
 from cnnsim.support import Array
-
-FEW = 16
-"""Rows that a thread does at a time."""
 
 
 class Control(NamedTuple):
-    """What w is made of, with `VirtualCells` of u: a ``bias`` that is not given has no cells; ``taps`` are records."""
+    """Parts of w, with `VirtualCells` of u; without a bias map ``bias`` has no cells; ``taps`` are records."""
 
     z: Any
     bias: Array
@@ -72,33 +65,18 @@ def control_row(total: Array, u: Array, i: int, taps: Array, virtual: VirtualCel
         tap += 1
 
 
-def control_rows(w: Array, control: Control, virtual: VirtualCells, first: int, after: int) -> None:
-    """Write z + bias + B*u into some rows of w, counted through all grids."""
-    z, bias, u, taps = control
+@twins
+def control(w: Array, given: Control, virtual: VirtualCells, first: int, after: int) -> None:
+    """Write z + bias + B*u into rows of w, which are counted through all grids."""
+    z, bias, u, taps = given
     height, width = w.shape[1:]
-    for line in range(first, after):
+    for line in prange(first, after):
         g, i = line // height, line % height
-        total = w[g, i]
-        if bias.size:  # which may lie where w goes
+        total, inputs = uncounted(w)[g, i], uncounted(u)[g]
+        if bias.size:  # which may lie in w
             for j in range(width):
                 total[j] = z + bias[g, i, j]
         else:
             for j in range(width):
                 total[j] = z
-        control_row(total, u[g], i, taps, virtual)
-
-
-@cache
-def controlling(dtype: np.dtype[Any]) -> Any:
-    """Return `control_rows` compiled for a dtype."""
-    plane, zero = np.empty((1, 1, 1), dtype), dtype.type(0)
-    control = tuple(Control(zero, plane, plane, np.empty(0, tap_type(dtype))))
-    groups = map(numba.typeof, (plane, control, virtual_cells((1, 1), 0, ZERO_FLUX, zero)))
-    return compiled_at(control_rows, types.void(*groups, types.int64, types.int64))
-
-
-@twins
-def control(rows_at: int, w: Array, given: Control, virtual: VirtualCells, first: int, after: int) -> None:
-    """Write z + bias + B*u into the rows of w from ``first`` on; ``rows_at`` is the address of `control_rows`."""
-    for few in prange((after - first + FEW - 1) // FEW):
-        call(rows_at, (w, given, virtual, first + few * FEW, min(after, first + (few + 1) * FEW)))
+        control_row(total, inputs, i, uncounted(taps), virtual)

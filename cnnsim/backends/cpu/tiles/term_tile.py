@@ -270,7 +270,7 @@ def step_tile(
     channels, places, values = uncounted(channels), uncounted(places), uncounted(values)
     of_channels = function, channels, (kind, places, values), (r, code, of_input, of_state)
     (_, layers, rows, cols), kept, masked = start.shape, states.shape[0], mask.size > 0
-    levels, count = (steps if task == STEP else 1) * ahead.size, ahead.size
+    levels, count = steps * ahead.size if task == STEP else 1, ahead.size
     lag, ring = (low, low) if low else (r, 2 * r + 1)
     wraps, reach = code == PERIODIC and not low, 0 if low else levels * r
     lo, hi, top, bottom = c0 - reach, c1 + reach, r0 - reach, r1 + reach
