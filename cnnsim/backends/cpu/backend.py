@@ -49,7 +49,7 @@ _NO_MASK = np.empty((1, 1, 0), dtype=bool)
 class CpuBackend(Backend):
     """LAM planes are contiguous NumPy arrays in ``dtype``, LLM planes are `Bits`.
 
-    ``threads`` share the work of a large grid, None for all cores; small grids take one (see `THREADS_PAY_FROM`).
+    ``threads`` share the work of a large grid, None for all cores; a small grid takes one (see `THREADS_PAY_FROM`).
     """
 
     name = "cpu"
@@ -65,11 +65,11 @@ class CpuBackend(Backend):
         self._nothing = np.empty((1, 1, 0), self.dtype)
         self._one, self._minus_one = self.dtype.type(1), self.dtype.type(-1)
         self._threads = threads
-        if threads is not None:  # wrapped only then: without it a verb costs what it did
+        if threads is not None:
             keep_to(self, checked_threads(threads))
 
     def __reduce__(self) -> Any:
-        """Go to another process as the choices that were made."""
+        """Pickle the arguments of the constructor."""
         return CpuBackend, (self.dtype, self._threads)
 
     def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Any:
@@ -110,7 +110,7 @@ class CpuBackend(Backend):
         held = None if mask is None else self._unpack(mask, np.dtype(bool))
         if plan.method == "general":
             network = TermNetwork(plan, x, u, bias, held)
-            with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
+            with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported below
                 steps = DiscreteSteps(network, held) if plan.cell == "discrete-time" else TermSteps(network)
                 outcome = driver.run(plan, steps, network.spans())
         else:
@@ -126,7 +126,7 @@ class CpuBackend(Backend):
                 return Outcome(end, ready.t, ready.settles, 0.0 if ready.settles else math.nan)
             w = self._drive(plan, ready, x, u, bias)
             if mask is None and ready.fuses:
-                outcome = ready.euler.run(plan, x, w, self._pool)
+                outcome = ready.euler(plan).run(plan, x, w, self._pool)
             else:
                 outcome = driver.run(plan, TermSteps(Network(plan, x, w, held)))
             self._pool.keep(w)
@@ -135,9 +135,9 @@ class CpuBackend(Backend):
         return outcome
 
     def _given(self, plan: Plan, ready: Prepared, x: Array, u: Any, bias: Any, out: Array) -> tuple[Any, int, int]:
-        """Return what w = B*u + z + bias is made of, the sums it takes, and the rows there are.
+        """Return the parts of w = B*u + z + bias, the number of products summed, and the number of rows.
 
-        Terms of the input alone lie in ``out``, where w, or what is made of it row by row, may replace them.
+        Terms of the input alone are summed in ``out``, which the caller overwrites row by row.
         """
         bias = with_control_terms(plan, u, bias, out)
         given = ready.z, self._nothing if bias is None else grids(bias), grids(x if u is None else u), ready.control

@@ -1,4 +1,4 @@
-"""Black-and-white planes of the CPU backend: 64 cells a word, and what is done to all 64 at once."""
+"""Black-and-white planes of the CPU backend, 64 cells a word: packing, logic and counts."""
 
 import math
 from typing import Any, NamedTuple
@@ -23,7 +23,7 @@ class Bits(NamedTuple):
 
 
 def empty(shape: tuple[int, ...]) -> Bits:
-    """Return a plane whose cells are not set."""
+    """Return a plane with any contents."""
     return Bits(np.empty((math.prod(shape[:-2]), shape[-2], -(-shape[-1] // 64)), np.uint64), shape)
 
 
@@ -35,9 +35,9 @@ def last_word(cols: int) -> Any:
 
 @intrinsic  # type: ignore[untyped-decorator]
 def word_of(_typing: Any, row: Array, first: int) -> Any:
-    """Return the word of the 64 values of a row that begin at ``first``, as one comparison of vectors.
+    """Return the word of 64 values of a row from ``first``, by one comparison of vectors.
 
-    A loop over bits is not seen for what it is: it shifts every bit on its own, in two to ten times the time.
+    LLVM shifts every bit of a loop over bits on its own, which takes two to ten times as long.
     """
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -55,7 +55,7 @@ def word_of(_typing: Any, row: Array, first: int) -> Any:
             black = builder.fcmp_ordered(">", value, zero)
         elif kind in types.signed_domain:
             black = builder.icmp_signed(">", value, zero)
-        else:  # truth values as well
+        else:  # and truth values
             black = builder.icmp_unsigned(">", value, zero)
         return builder.bitcast(black, ir.IntType(64))
 
@@ -108,7 +108,7 @@ def logic(function: int, p: Array, q: Array, out: Array, cols: int) -> None:
 
 @helper
 def add_up(lines: Array, height: int, totals: Array) -> None:
-    """Add the lines of every grid; not in `count`, where numba would start the threads for each sum."""
+    """Add the counts of the lines of every grid; a helper, because numba would start the threads for each sum."""
     for g in range(totals.size):
         totals[g] = 0
         for i in range(height):

@@ -1,7 +1,4 @@
-"""Virtual cells in compiled loops, whatever lies around a grid.
-
-The loops over tiles set those of the boundaries that they know by themselves (`tiles.boundary`, `terms.channels`).
-"""
+"""Virtual cells of inputs and packed planes in compiled loops; tiles set their own (`tiles.scratch` and others)."""
 
 from typing import Any, NamedTuple
 
@@ -14,9 +11,9 @@ from cnnsim.support import Array
 
 
 class VirtualCells(NamedTuple):
-    """What lies around a grid, up to ``r`` cells away.
+    """Virtual cells up to ``r`` cells around a grid.
 
-    ``rows`` and ``cols`` are the real row and column that positions -r, -r + 1, ... stand for (-1: ``constant``).
+    ``rows`` and ``cols`` are the real rows and columns whose values positions -r, -r + 1, ... have (-1: ``constant``).
     """
 
     rows: Array
@@ -26,14 +23,14 @@ class VirtualCells(NamedTuple):
 
 
 def virtual_cells(shape: tuple[int, ...], r: int, boundary: Boundary, constant: Any) -> Any:
-    """Return the `VirtualCells` of a grid as compiled loops take them; ``constant`` in the type of the cells."""
+    """Return the `VirtualCells` of a grid as a bare tuple; ``constant`` in the type of the cells."""
     rows, cols = (virtual_index(cells, r, boundary) for cells in shape[-2:])
     return tuple(VirtualCells(rows, cols, r, constant))
 
 
 @helper
 def real_row(i: int, virtual: VirtualCells) -> Any:
-    """Return which real row is the same as row i of the grid, -1 if none is and its cells are looked up one by one."""
+    """Return the real row with the values of row i of the grid, -1 if there is none."""
     rows, _, r, _ = virtual
     return rows[i + r]
 

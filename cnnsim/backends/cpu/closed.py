@@ -1,4 +1,4 @@
-"""The closed form of uncoupled cells, compiled: `cnnsim.network.cell.uncoupled_state`, one cell at a time."""
+"""The compiled closed form of uncoupled cells: `cnnsim.network.cell.uncoupled_state`, cell by cell."""
 
 import math
 
@@ -15,7 +15,7 @@ from cnnsim.support import Array
 
 @helper
 def through_linear(x: float, s: float, a: float, t: float, limited: bool) -> float:
-    """Go from |x| <= 1 for the time t, into the saturation ahead (or up to the limit) if it is reached."""
+    """Return the state after the time t from |x| <= 1, in the saturation ahead (or at the limit) if it is reached."""
     rate = (a - 1) * x + s
     if rate == 0:
         return x
@@ -46,7 +46,7 @@ def cell_at(x: float, s: float, a: float, t: float, limited: bool) -> float:
 
 @helper
 def cell_at_rest(x: float, s: float, a: float, one: float, limited: bool) -> float:
-    """Return the state one cell comes to: only comparisons, and no branches, so that it runs in vectors."""
+    """Return the steady state of one cell, without branches, so that a loop becomes vector code."""
     side = -one if x < 0 else one
     far = (not limited) & (abs(x) > one)
     stays = far & (a + s * side >= one)
@@ -58,7 +58,7 @@ def cell_at_rest(x: float, s: float, a: float, one: float, limited: bool) -> flo
     there = there if goes else s / (one - a)
     there = start if rate == 0 else there
     there = a * side + s if stays else there
-    return there if x - x == 0 else x  # NaN and infinity stay what they are, to be found
+    return there if x - x == 0 else x  # NaN and infinity stay, to be found
 
 
 @helper
@@ -72,7 +72,7 @@ def are_square(taps: Array) -> bool:
 
 @reordered
 def in_any_order(total: float, value: float, weight: float) -> float:
-    """Add a value to a sum of ones."""
+    """Add value * weight to a sum whose order does not matter."""
     return total + value * weight
 
 
@@ -80,9 +80,9 @@ def in_any_order(total: float, value: float, weight: float) -> float:
 def rest_of_row(
     end: Array, x: Array, z: float, rows: tuple[Array, Array, Array], taps: Array, a: float, limited: bool
 ) -> bool:
-    """Write the states that a row's cells come to, all but the first and the last, from three rows of the input.
+    """Write the steady states of a row of cells, without the first and the last, from three rows of the input.
 
-    One loop: what drives a cell goes through no memory, and the sums keep their order.
+    The drives are not stored, and the sums keep their order. Return whether all states are finite.
     """
     above, here, below = rows
     one = x.dtype.type(1)
@@ -99,9 +99,9 @@ def rest_of_row(
 
 @helper
 def rest_of_driven_row(end: Array, x: Array, z: float, rows: tuple[Array, Array, Array], taps: Array, a: float) -> bool:
-    """Do what `rest_of_row` does for cells that begin inside and drive themselves on, a >= 1, in half the operations.
+    """Write what `rest_of_row` does for cells that start at |x| <= 1 with a >= 1, in half the operations.
 
-    Return whether all did begin inside, and are finite. One whose rate is not 0 comes to the saturation ahead:
+    Return whether all started there and are finite. A cell whose rate is not 0 comes to the saturation ahead:
     (a - 1) + s has the sign of the rate, rounded or not.
     """
     above, here, below = rows
@@ -126,9 +126,9 @@ def rest_of_driven_row(end: Array, x: Array, z: float, rows: tuple[Array, Array,
 def rest_of_inner_row(
     end: Array, x: Array, z: float, rows: tuple[Array, Array, Array], taps: Array, a: float, limited: bool
 ) -> bool:
-    """Do it the quick way, if it is one, and return whether all states are finite."""
+    """Write the steady states of a row by the faster of the two loops; return whether all are finite."""
     one = x.dtype.type(1)
-    promising = a >= one and not limited and abs(x[x.size // 2]) <= one  # planes of saturated states lose no time
+    promising = a >= one and not limited and abs(x[x.size // 2]) <= one  # not for planes of saturated states
     if promising and rest_of_driven_row(end, x, z, rows, taps, a):
         return True
     return rest_of_row(end, x, z, rows, taps, a, limited)
@@ -141,9 +141,8 @@ def closed_form(
 ) -> bool:  # fmt: skip
     """Write the states of cells that start at x, in the rows from ``first`` on, and return whether all are finite.
 
-    Rows are counted through all grids, and each is looked at while it is near: another pass takes a fifth of the time.
-
-    ``cell`` is (self-feedback a, time t or infinity, limited). A mask that is not given has no cells.
+    Rows are counted through all grids. ``cell`` is (self-feedback a, time t or infinity, limited). Without a mask
+    ``mask`` has no cells.
     """
     _, height, width = x.shape
     one = x.dtype.type(1)
@@ -166,7 +165,7 @@ def closed_form(
                 inside &= drive[j] - drive[j] == 0
             fine[line - first] = inside
             continue
-        if bias.size:  # which may lie where the states go
+        if bias.size:  # which may lie in ``end``
             for j in range(width):
                 drive[j] = z + bias[g, p, j]
         else:

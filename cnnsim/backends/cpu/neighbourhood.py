@@ -1,4 +1,4 @@
-"""AND and OR of neighbours on packed planes: a shifted row is two shifted words."""
+"""AND and OR of neighbours on packed planes, 64 cells at a time."""
 
 import numpy as np
 from numba import prange

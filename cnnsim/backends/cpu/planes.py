@@ -1,6 +1,6 @@
-"""Planes (n, rows, cols) as a whole: the output, whether all cells are finite; and what loops over rows share.
+"""Loops over planes (n, rows, cols): the output, and whether all cells are finite.
 
-Plain loops for what NumPy does in a word: each of its words takes numba up to two seconds to compile.
+They are plain loops, because numba takes up to two seconds to compile a NumPy function.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from cnnsim.support import Array
 
 
 def grids(plane: Array) -> Array:
-    """View (rows, cols) as one grid of a batch, and the layers of a batch as grids."""
+    """Return a view of planes as a batch (n, rows, cols); layers are grids of it."""
     return plane if plane.ndim == 3 else plane.reshape(-1, *plane.shape[-2:])
 
 
@@ -40,7 +40,7 @@ def finite_row(row: Array) -> bool:
     zero = row.dtype.type(0)
     fine = True
     for j in range(row.size):
-        fine &= row[j] * zero == zero  # runs in vectors; a sum would wait for each of its terms
+        fine &= row[j] * zero == zero  # vector code, which a sum in order is not
     return fine
 
 

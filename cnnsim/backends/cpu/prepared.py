@@ -1,7 +1,6 @@
 """Constants of a plan as the compiled loops take them: made at the first transient, kept as long as the plan."""
 
 import math
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,9 +26,11 @@ class Prepared:
         a = dtype.type(template.self_feedback) if self.settles else float(template.self_feedback)
         self.cell = a, self.t, limited
         self.fuses = plan.scheme is not None and len(plan.scheme.b) == 1 and not limited
-        self._given = plan, dtype, threads
+        self._dtype, self._threads = dtype, threads
+        self._euler: EulerTiles | None = None
 
-    @cached_property
-    def euler(self) -> EulerTiles:
-        """The Euler steps by tiles."""
-        return EulerTiles(*self._given)
+    def euler(self, plan: Plan) -> EulerTiles:
+        """Return the Euler steps by tiles. The plan is not kept, so that its constants go with it."""
+        if self._euler is None:
+            self._euler = EulerTiles(plan, self._dtype, self._threads)
+        return self._euler

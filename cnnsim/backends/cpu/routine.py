@@ -1,6 +1,6 @@
-"""Routines on small grids, compiled into numbers: one loop goes through them, no call from Python each.
+"""Routines on small grids as arrays of numbers, run by one compiled loop without calls from Python.
 
-Each instruction calls the loop that it has when it comes alone, so its answer is the same bit for bit.
+Each instruction calls the same loop as a single step of a program, so the result is the same bit for bit.
 """
 
 import math
@@ -19,12 +19,12 @@ from cnnsim.operations.routine import Op, Routine, Stores
 from cnnsim.support import Array
 
 MOST_CELLS = 4096
-"""Cells from which on threads, and memory that is not held for all planes at once, are worth more than few calls."""
+"""The most cells of such a grid: on larger ones threads, and memory of few planes, save more than calls from Python."""
 DONE = -1
 MOST = 1 << 30
-"""Size of numbers in registers from which on their product may not fit one."""
+"""The largest number in a register whose product fits a register."""
 COLUMNS = 10
-"""Stores of an instruction: op, to, p, q, by; then first and last record, reach, place of the virtual cells, a flag."""
+"""Numbers of an instruction: op, to, p, q, by; first and last record, radius, place of the virtual cells, a flag."""
 
 _pack, _unpack, _logic, _count = (twins.serial for twins in (packed.pack, packed.unpack, packed.logic, packed.count))
 _neighbourhood, _closed_form, _clip = neighbourhood.serial, closed.closed_form.serial, planes.clip.serial
@@ -34,7 +34,7 @@ _neighbourhood, _closed_form, _clip = neighbourhood.serial, closed.closed_form.s
 def go_through(
     code: Array, constants: Array, rules: Array, taps: Array, around: Array, llm: Array, lam: Array, wire: Array
 ) -> int:
-    """Do all instructions; return the number of one that comes to no finite or no safe number, `DONE` if none does.
+    """Run all instructions; return the number of one whose result is not finite or too large, else `DONE`.
 
     ``llm`` (planes, n, rows, words), ``lam`` (planes, n, rows, cols), ``wire`` (registers, n); the others as
     `CompiledRoutine` makes them.
@@ -72,7 +72,7 @@ def go_through(
             virtual = (lines, columns, r, constants[by + 2])
             cell = (constants[by + 1], math.inf, flag != 0)
             control = (constants[by], no_plane, lam[q], taps[first:after])
-            begin = np.int64(0)  # 0 itself has a type of its own, for which all would be compiled anew
+            begin = np.int64(0)  # 0 itself has a type of its own, for which the loop would be compiled again
             if not _closed_form(lam[p], lam[to], no_mask, cell, control, virtual, begin, n * rows):
                 return at
         elif op == Op.CLIP:
@@ -103,10 +103,10 @@ def go_through(
 
 
 class CompiledRoutine:
-    """A routine as arrays of numbers, for one dtype; called with planes and registers it returns its results.
+    """A routine as arrays of numbers for one dtype; called with planes and registers it returns its results.
 
-    It returns None where an instruction comes to no finite number, or to one that may be too large for a register: done
-    one by one they say so, or have room.
+    It returns None where a result is not finite or too large for a register. Run one by one, the steps raise the error
+    or use larger numbers.
     """
 
     def __init__(self, routine: Routine, dtype: np.dtype[Any]) -> None:
@@ -175,7 +175,7 @@ class CompiledRoutine:
 
 
 def _put(parts: list[Array], more: Array) -> tuple[int, int]:
-    """Append an array; return where it begins and ends among all of them."""
+    """Append an array; return its first record and the one after its last."""
     first = sum(part.size for part in parts)
     parts.append(more)
     return first, first + more.size

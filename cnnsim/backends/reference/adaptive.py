@@ -1,4 +1,4 @@
-"""Adaptive steps of scipy (DOP853), for reference solutions; this backend alone has them."""
+"""Adaptive steps by scipy (DOP853) for reference solutions; only this backend has them."""
 
 import math
 from typing import Any
@@ -14,7 +14,7 @@ from cnnsim.support import Array, InputError
 
 
 def linear(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
-    """Run a linear template; full-range states are kept within +-1 wherever they are looked at."""
+    """Run a linear template; full-range states are clipped to +-1 wherever they are read."""
     steps, limited = LinearSteps(plan, x, w, free), plan.cell == "full-range"
 
     def derivative(_t: float, flat: Array) -> Array:
@@ -44,7 +44,7 @@ def general(network: Network) -> Outcome:
 
 
 def _integrate(plan: Plan, derivative: Any, x: Array) -> Array:
-    from scipy.integrate import solve_ivp  # slow to import, and seldom wanted
+    from scipy.integrate import solve_ivp  # slow to import and seldom used
 
     assert plan.duration != "settled"
     solution = solve_ivp(derivative, (0.0, plan.duration), x.ravel(), method="DOP853", rtol=1e-10, atol=1e-12)

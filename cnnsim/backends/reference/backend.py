@@ -1,4 +1,4 @@
-"""The reference backend: plain float64 NumPy, slow and obvious. It is the law the others are held to."""
+"""The reference backend: plain float64 NumPy, slow and obvious. The other backends must agree with it."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -48,7 +48,7 @@ class ReferenceBackend(Backend):
     def transient(
         self, plan: Plan, x: Array, u: Array | None, bias: Array | None = None, mask: Array | None = None
     ) -> Outcome:
-        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is found and reported below
+        with np.errstate(over="ignore", invalid="ignore"):  # overflow is reported below
             outcome = self._run(plan, x, u, bias, mask)
         outcome = outcome._replace(x=outcome.x.reshape(x.shape))
         check_finite(outcome.x, outcome.t)

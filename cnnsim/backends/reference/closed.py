@@ -11,7 +11,7 @@ from cnnsim.support import Array
 
 
 def closed_form(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
-    """Return the end of uncoupled cells, at the plan's duration or at rest."""
+    """Return the state of uncoupled cells after the plan's duration, or their steady state."""
     settled = plan.duration == "settled"
     t = math.inf if settled else float(plan.duration)
     end = uncoupled_state(x, w, plan.template.self_feedback, t, plan.cell)

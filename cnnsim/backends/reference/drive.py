@@ -1,4 +1,4 @@
-"""What drives a cell without a time loop: w = B*u + z with the bias map and the terms of the input."""
+"""The constant part of the drive: w = B*u + z with the bias map and the terms of the input."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Whether a network has settled: its largest |dx/dt|, and whether every output is saturated for good."""
+"""Check whether a network has settled: its largest |dx/dt|, and whether every cell is saturated for good."""
 
 import numpy as np
 

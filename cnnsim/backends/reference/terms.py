@@ -1,6 +1,6 @@
-"""Terms, layers, delays and sequences: what drives each layer, every neighbour of every term looked up by itself.
+"""Drives of networks of terms: layers, delays and sequences, one neighbour of one term at a time.
 
-Planes are seen as (n, layers, rows, cols).
+Planes are (n, layers, rows, cols).
 """
 
 from collections import deque
@@ -16,19 +16,19 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
 Lookup = Callable[[Quantity, int], Array]
-"""What a term reads: (quantity, layer) -> (n, rows, cols), at the time the term looks at."""
+"""Values that a term reads at its time: (quantity, layer) -> (n, rows, cols)."""
 
 
 def add_term(total: Array, term: Term, own: int, lookup: Lookup, boundary: Boundary) -> None:
     """Add one term to the drive (n, rows, cols) of layer ``own``."""
-    if not term.taps:  # it may be of an input that is not there
+    if not term.taps:  # it may read an input that is not given
         return
     rows, cols = total.shape[-2:]
     r = term.radius
     other = own if term.layer is None else term.layer
 
     def seen(argument: Argument) -> tuple[Array, Array | None]:
-        """The padded plane in which an argument finds all its neighbours, and what it takes off, if anything."""
+        """Return the padded plane of an argument's neighbours, and the plane that is subtracted, or None."""
         constant = boundary.u if argument.neighbour == "u" else boundary.y
         around = pad(lookup(argument.neighbour, other), r, boundary, constant)
         return around, None if argument.centre is None else lookup(argument.centre, own)
@@ -46,7 +46,7 @@ def add_term(total: Array, term: Term, own: int, lookup: Lookup, boundary: Bound
 
 
 class Network:
-    """The planes of a run, its past states and what drives each layer; ``u`` and ``bias`` may be `Frames`."""
+    """The planes of a run, its past states and the drive of each layer; ``u`` and ``bias`` may be `Frames`."""
 
     def __init__(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Array | None) -> None:
         assert plan.network is not None
@@ -82,7 +82,7 @@ class Network:
 
     def _lookup(self, now: Array, number: int, ahead: int, delay: float) -> Lookup:
         ago = round(delay / self.plan.step)
-        # A step sees the input of its start to its end; before t = 0 the state was x(0) and the input the first.
+        # A step reads the input of its start; before t = 0 the state was x(0) and the input the first.
         state = now if not ago else self.past[max(-len(self.past), ahead - 1 - ago)]
 
         def seen(quantity: Quantity, layer: int) -> Array:

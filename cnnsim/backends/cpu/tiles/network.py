@@ -137,14 +137,24 @@ def _planes(value: Any, shape: tuple[int, ...]) -> Any:
     return value.map(lambda plane: plane.reshape(shape)) if isinstance(value, Frames) else value.reshape(shape)
 
 
-class TermSteps(Stepper):
+class _NetworkSteps(Stepper):
+    """Steps of a network."""
+
+    def __init__(self, network: Network) -> None:
+        self._network, self.together, self.work = network, network.depth, network.work
+
+    def start_span(self, step: int) -> None:
+        """See `Stepper.start_span`."""
+        self._network.start_span(step)
+
+
+class TermSteps(_NetworkSteps):
     """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
     def __init__(self, network: Network) -> None:
+        super().__init__(network)
         assert network.plan.scheme is not None
-        self._network, self.together = network, network.depth
-        self.work = network.work * len(network.plan.scheme.b)
-        self.start_span = network.start_span
+        self.work *= len(network.plan.scheme.b)
         self._freezes = network.plan.method == "stepped" and network.plan.saturation_ends
 
     def check_settled(self, step: int, *, last: bool) -> Check:
@@ -161,12 +171,12 @@ class TermSteps(Stepper):
         return self._network.end()
 
 
-class DiscreteSteps(Stepper):
+class DiscreteSteps(_NetworkSteps):
     """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
     def __init__(self, network: Network, mask: Flags | None) -> None:
-        self._network, self.work, self._checked = network, network.work, False
-        self.start_span = network.start_span
+        super().__init__(network)
+        self._checked = False
         x, y = network.start, network.states[0]
         cols = x.shape[-1]
         lines, first, many = x.reshape(-1, cols), y.reshape(-1, cols), max(1, STRIP // cols)
