@@ -37,7 +37,7 @@ class Task:
     accuracy: Tolerance | None = None
 
     def owned(self) -> "Task":
-        """Return the task with planes of its own, for runs that go on while the caller may change what was given."""
+        """Return the task with copies of its planes, which the caller may change during a run."""
 
         def own(value: Any) -> Any:
             return value.map(own) if isinstance(value, Frames) else None if value is None else value.copy()
@@ -46,7 +46,7 @@ class Task:
 
     @property
     def planes(self) -> list[Array]:
-        """The planes that are given, each once: often the input is the state."""
+        """The distinct planes: often the input is the state."""
         values = (self.state, self.input, self.bias)
         planes = [p for value in values for p in (value.planes if isinstance(value, Frames) else (value,))]
         return list({id(plane): plane for plane in planes if plane is not None}.values())
@@ -70,7 +70,7 @@ class Task:
         check_memory(f"template {name!r} on {size} cells", needed * self.state.size, cure)
 
     def start(self, backend: Backend, state: Array | None = None, plan: Plan | None = None) -> Outcome:
-        """Load the planes and run; ``state`` and ``plan`` replace the task's own (to go on from an earlier end)."""
+        """Load the planes and run; ``state`` and ``plan`` replace the task's own (to continue from an earlier end)."""
         self.check_memory(backend)
         given = self.state if state is None else state
         x = backend.load(given, "lam", copy=False)
@@ -107,7 +107,7 @@ class Task:
     def states(self, backend: Backend, until: float, frames: int, *, first: int = 0) -> Iterator[tuple[float, Array]]:
         """Yield (t, x) at ``frames`` evenly spaced times up to ``until``; with terms after ``first`` steps or more.
 
-        With an accuracy each state is within it, by runs of its own.
+        With an accuracy each state is solved by itself.
         """
         old, x = self.plan, self.state
         if self.accuracy is not None:
@@ -179,9 +179,9 @@ def make_task(
         InputError: planes that do not fit or are not finite, a step that cannot be stable.
     """
     check_template(template)
-    wanted = None if accuracy is None else parse_accuracy(accuracy)
-    if wanted is not None and (scheme is not None or step is not None):
-        raise InputError(f"accuracy {wanted} chooses scheme and step; one or the other wanted")
+    tolerance = None if accuracy is None else parse_accuracy(accuracy)
+    if tolerance is not None and (scheme is not None or step is not None):
+        raise InputError(f"accuracy {tolerance} chooses scheme and step; one or the other wanted")
     x = _plane("state", state, None)
     u, w = _planes("input", input, x.shape), _planes("bias", bias, x.shape)
     if u is None and template.reads_input:
@@ -193,9 +193,9 @@ def make_task(
     )  # fmt: skip
     if plan.cell == "full-range" and largest(x) > 1:
         raise InputError(f"state reaches {largest(x):g}; the full-range model keeps it from -1 to 1")
-    if wanted is not None:
-        plan = replace(plan, decisions=(*plan.decisions, decision(plan, wanted, x.shape)))
-    return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, wanted)
+    if tolerance is not None:
+        plan = replace(plan, decisions=(*plan.decisions, decision(plan, tolerance, x.shape)))
+    return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, tolerance)
 
 
 def load(backend: Backend, value: Any) -> Any:

@@ -43,7 +43,7 @@ def run_transient(
     in `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
     ``threads`` of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column)
     to be kept at every step: the result then has them as its ``trajectory``, by the steps of the run itself, or with an
-    accuracy (times only) each within it, by runs of its own;
+    accuracy (times only) each solved by itself;
     ``engine`` for grids that are larger than the memory, or for other machines: "processes", "dask", "dask=ADDRESS" or
     an `Engine`, with the folder of its ``store``. Planes may be Zarr arrays then, and so is the result of such a state.
 

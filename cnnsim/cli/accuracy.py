@@ -17,7 +17,7 @@ from cnnsim.support.pictures.picture import read_picture
 from cnnsim.support.terminal import echo, say
 
 if TYPE_CHECKING:
-    from cnnsim.prototyping.accuracy.work_precision import Row
+    from cnnsim.prototyping.accuracy.work_precision import PrecisionRow
 
 _FILE = click.Path(path_type=Path)
 
@@ -86,14 +86,14 @@ def accuracy(
         echo(line)
 
 
-def table(rows: list["Row"]) -> list[str]:
+def table(rows: list["PrecisionRow"]) -> list[str]:
     """Return the lines of a table of the cheapest settings for 80 columns."""
     lines = _cheapest(rows)
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     return ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
 
 
-def _cheapest(rows: list["Row"]) -> list[tuple[str, ...]]:
+def _cheapest(rows: list["PrecisionRow"]) -> list[tuple[str, ...]]:
     """Return the rows of a table of the cheapest setting for each accuracy from 1e-1 to 1e-8, head first.
 
     Columns: evaluations of A*y, wall time, its ratio to the first row, share of correct signs.
@@ -112,7 +112,7 @@ def _cheapest(rows: list["Row"]) -> list[tuple[str, ...]]:
     return lines
 
 
-def _draw(rows: list["Row"], output: Path, title: str, size: str) -> None:
+def _draw(rows: list["PrecisionRow"], output: Path, title: str, size: str) -> None:
     from matplotlib.figure import Figure  # slow to import, and only needed for the diagram
 
     from cnnsim.prototyping.accuracy.plot import draw  # the same

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cnnsim.plot.figures import COLOURS
-from cnnsim.prototyping.accuracy.work_precision import Row
+from cnnsim.prototyping.accuracy.work_precision import PrecisionRow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 _MARKS = {"float32": ("o", "none"), "float64": ("s", "full")}
 
 
-def draw(rows: Sequence[Row], axes: "Axes", against: str, title: str) -> None:
+def draw(rows: Sequence[PrecisionRow], axes: "Axes", against: str, title: str) -> None:
     """Draw the largest error against "evaluations" or "seconds" into axes: a line a scheme, dtype and backend."""
     lines = sorted({(row.backend, row.scheme, row.dtype) for row in rows})
     schemes = sorted({row.scheme for row in rows})

@@ -19,7 +19,7 @@ STEPS = tuple(0.8 * 0.5**k for k in range(10))
 
 
 @dataclass(frozen=True)
-class Row:
+class PrecisionRow:
     """One run: its setting, the largest error of a state, the share of right signs, evaluations of A*y, seconds."""
 
     backend: str
@@ -41,7 +41,9 @@ def settings(names: Sequence[str], most: int) -> Iterator[tuple[str, str, str, f
                     yield name, dtype, scheme, step
 
 
-def measured(given: dict[str, Any], exact: Floats, setting: tuple[str, str, str, float], rounds: int = 3) -> Row | None:
+def measured(
+    given: dict[str, Any], exact: Floats, setting: tuple[str, str, str, float], rounds: int = 3
+) -> PrecisionRow | None:
     """Return the row of one setting, the best time of some rounds; None where the step is not stable, or not fitting.
 
     Arguments: ``given`` as `cnnsim.task.make_task` takes it, with a duration; ``exact`` the state at its end.
@@ -60,7 +62,7 @@ def measured(given: dict[str, Any], exact: Floats, setting: tuple[str, str, str,
     error = float(np.abs(x - exact).max())
     signs = float((np.sign(task.plan.output(x)) == np.sign(task.plan.output(exact))).mean())
     stages = len(task.plan.scheme.b) if task.plan.scheme else 1
-    return Row(name, dtype, scheme, task.plan.step, error, signs, task.plan.steps * stages, float(best))
+    return PrecisionRow(name, dtype, scheme, task.plan.step, error, signs, task.plan.steps * stages, float(best))
 
 
 def reference_state(given: dict[str, Any]) -> tuple[Floats, str]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim import backends
 from cnnsim.prototyping.accuracy.plot import draw
-from cnnsim.prototyping.accuracy.work_precision import STEPS, Row, measured, reference_state, settings
+from cnnsim.prototyping.accuracy.work_precision import STEPS, PrecisionRow, measured, reference_state, settings
 from cnnsim.support.command_line import watched
 from tests.benchmarks.accuracy.families import families
 from tests.benchmarks.accuracy.random_cases import ACCURACIES, kept
@@ -21,7 +21,7 @@ _OTHERS = (0.4, 0.1, 0.025)
 
 def section(cases: int) -> Section:
     """Measure eight templates, and a number of random cases."""
-    found: dict[str, list[Row]] = {}
+    found: dict[str, list[PrecisionRow]] = {}
     for name, given in families().items():
         exact, _ = reference_state(given)
         others = [b for b in backends.NAMES if b != "cpu" and _there(b)]
@@ -55,12 +55,12 @@ def _near(step: float) -> bool:
     return any(abs(step - other) < 1e-12 for other in _OTHERS)
 
 
-def _costs(found: dict[str, list[Row]]) -> dict[Any, float]:
+def _costs(found: dict[str, list[PrecisionRow]]) -> dict[Any, float]:
     wanted = ("binary", *ACCURACIES)
     return {a: float(np.nanmedian([_fewest(rows, a) for rows in found.values()])) for a in wanted}
 
 
-def _draw(figure: Any, found: dict[str, list[Row]]) -> None:
+def _draw(figure: Any, found: dict[str, list[PrecisionRow]]) -> None:
     axes = figure.subplots(len(found), 2)
     for (name, rows), (left, right) in zip(found.items(), axes, strict=True):
         draw(rows, left, "evaluations", name)
@@ -101,7 +101,7 @@ just keeps the accuracy counts (by hand the answer is known). Times are of the p
 {median:.2g} x."""
 
 
-def _fewest(rows: list[Row], accuracy: float | str) -> float:
+def _fewest(rows: list[PrecisionRow], accuracy: float | str) -> float:
     """The fewest evaluations that reach an accuracy, or all signs; NaN if none does."""
     if isinstance(accuracy, str):
         good = [row.evaluations for row in rows if row.signs == 1]
@@ -110,7 +110,7 @@ def _fewest(rows: list[Row], accuracy: float | str) -> float:
     return float(min(good, default=np.nan))
 
 
-def _order(rows: list[Row], scheme: str) -> float:
+def _order(rows: list[PrecisionRow], scheme: str) -> float:
     """The slope of the last errors above rounding, of the cpu backend in float64."""
     points = sorted((r.step, r.error) for r in rows if (r.backend, r.dtype, r.scheme) == ("cpu", "float64", scheme))
     points = [(h, e) for h, e in points if e > 1e-11][:4]
@@ -120,7 +120,7 @@ def _order(rows: list[Row], scheme: str) -> float:
     return float(np.polyfit(h, error, 1)[0])
 
 
-def _text(found: dict[str, list[Row]], tries: list[Any], hand: list[Any]) -> str:
+def _text(found: dict[str, list[PrecisionRow]], tries: list[Any], hand: list[Any]) -> str:
     """The paragraphs of the section."""
     lines = [_TRUTH, "", "| template | " + " | ".join(_SCHEMES) + " | for 1e-3 | for 1e-6 | for all signs |"]
     lines.append("|---" * (len(_SCHEMES) + 4) + "|")

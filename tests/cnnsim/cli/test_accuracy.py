@@ -8,7 +8,7 @@ from click.testing import CliRunner, Result
 
 from cnnsim.cli.accuracy import table
 from cnnsim.cli.group import main
-from cnnsim.prototyping.accuracy.work_precision import Row
+from cnnsim.prototyping.accuracy.work_precision import PrecisionRow
 
 
 def called(*words: str) -> Result:
@@ -31,7 +31,7 @@ def test_the_table_fits_a_terminal_and_the_file_has_a_row_a_run(tmp_path: Path) 
 
 
 def test_the_longest_names_fit_a_terminal() -> None:
-    row = Row("opencl", "float64", "exponential-euler", 0.3333333, 1e-9, 0.98765, 99999, 0.123456)
+    row = PrecisionRow("opencl", "float64", "exponential-euler", 0.3333333, 1e-9, 0.98765, 99999, 0.123456)
     lines = table([row])
     assert len(lines) == 9
     assert max(map(len, lines)) <= 80
