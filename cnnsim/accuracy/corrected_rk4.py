@@ -39,45 +39,56 @@ def clipped_integral(c0, c1, c2, c3):  # type: ignore[no-untyped-def]
 
 
 @kept_helper(error_model="numpy")
-def add_product(at, there, weight, y, total):  # type: ignore[no-untyped-def]
-    """Add A y, of A as compressed rows."""
-    for i in range(total.size):
+def product(matrix, taps, y, total):  # type: ignore[no-untyped-def]
+    """Write A y: by shifted rows of the whole grid, and at its edge by the compressed rows of A."""
+    at, there, weight = matrix
+    offsets, weights, edge = taps
+    total[:] = 0.0
+    for n in range(offsets.size):
+        first, last = max(0, -offsets[n]), min(y.size, y.size - offsets[n])
+        here, shifted, w = total[first:last], y[first + offsets[n] : last + offsets[n]], weights[n]
+        for i in range(here.size):
+            here[i] += w * shifted[i]
+    for i in edge:
+        total[i] = 0.0
         for n in range(at[i], at[i + 1]):
             total[i] += weight[n] * y[there[n]]
 
 
 @kept_helper(error_model="numpy")
-def rate(at, there, weight, cells, x, y, k):  # type: ignore[no-untyped-def]
+def rate(matrix, taps, cells, x, y, k):  # type: ignore[no-untyped-def]
     """Write dx/dt of states x with outputs y; ``cells`` (2, cells) are the drive, and 1 where a cell is free."""
+    product(matrix, taps, y, k)
     for i in range(x.size):
-        k[i] = cells[0, i] - x[i]
-    add_product(at, there, weight, y, k)
-    for i in range(x.size):
-        k[i] *= cells[1, i]
+        k[i] = (k[i] + cells[0, i] - x[i]) * cells[1, i]
 
 
 @kept_njit(error_model="numpy")
-def corrected_steps(at, there, weight, cells, x, h, steps):  # type: ignore[no-untyped-def]
-    """Advance the state x (cells,) in place by some steps of length h; the other arguments as of `rate`."""
+def corrected_steps(matrix, taps, cells, x, h, steps):  # type: ignore[no-untyped-def]
+    """Advance the state x (cells,) in place by some steps of length h.
+
+    Arguments: ``matrix`` A as compressed rows; ``taps``: distances in the flat grid and weights of A, and the cells at
+    the edge, where virtual cells make them invalid; ``cells`` as of `rate`.
+    """
     size = x.size
     y1, y2, y3, y4, end = x.copy(), x.copy(), x.copy(), x.copy(), x.copy()
     k1, k2, k3, k4, missed = x.copy(), x.copy(), x.copy(), x.copy(), x.copy()
     for i in range(size):
         y1[i] = clip(x[i])
     for _ in range(steps):
-        rate(at, there, weight, cells, x, y1, k1)
+        rate(matrix, taps, cells, x, y1, k1)
         for i in range(size):
             end[i] = x[i] + h / 2 * k1[i]
             y2[i] = clip(end[i])
-        rate(at, there, weight, cells, end, y2, k2)
+        rate(matrix, taps, cells, end, y2, k2)
         for i in range(size):
             end[i] = x[i] + h / 2 * k2[i]
             y3[i] = clip(end[i])
-        rate(at, there, weight, cells, end, y3, k3)
+        rate(matrix, taps, cells, end, y3, k3)
         for i in range(size):
             end[i] = x[i] + h * k3[i]
             y4[i] = clip(end[i])
-        rate(at, there, weight, cells, end, y4, k4)
+        rate(matrix, taps, cells, end, y4, k4)
         kinks = 0
         for i in range(size):
             end[i] = x[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
@@ -90,8 +101,7 @@ def corrected_steps(at, there, weight, cells, x, h, steps):  # type: ignore[no-u
                 missed[i] = h * (whole - (a + 2 * b + 2 * c + d) / 6)
                 kinks += 1
         if kinks:
-            k1[:] = 0.0
-            add_product(at, there, weight, missed, k1)
+            product(matrix, taps, missed, k1)
             for i in range(size):
                 end[i] += cells[1, i] * k1[i]
         for i in range(size):

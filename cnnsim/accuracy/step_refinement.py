@@ -12,6 +12,7 @@ from cnnsim.accuracy.problem import Solution, TransientProblem, largest
 from cnnsim.accuracy.tolerance import Tolerance
 from cnnsim.backends.base import Backend
 from cnnsim.backends.reference.drive import control
+from cnnsim.network.weights import reach
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.network_modes import step_bound
 from cnnsim.planning.plan import Plan
@@ -23,7 +24,7 @@ from cnnsim.support import Array
 
 CORRECTED_CELLS = 1 << 14
 """Cells up to which one thread takes the corrected steps; on larger grids the backend is faster."""
-MOST_RUNS, MOST_RUNS_FOR_SIGNS = 12, 7
+MOST_RUNS, MOST_RUNS_FOR_SIGNS = 12, 6
 _AIM = 0.5
 """Of the tolerance, that the error of the last run but one is to have."""
 _LEAST_RATIO, _LARGEST_RATIO = 1.6, 6.0
@@ -47,9 +48,9 @@ Run = Callable[[Array, int], Array]
 def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> Solution:
     """Solve a transient of a given duration by shorter and shorter steps, until two runs agree to the tolerance.
 
-    The error of the last run is estimated as its largest difference from the one before, and not below what the
-    estimate before predicts at order 3, as two runs may agree by chance. Each run starts from a state changed by a few
-    roundings, so that the difference also shows how they grow. With ``tolerance.signs`` the runs end when each
+    The error of the last run is estimated as its largest difference from the one before, and no less than the estimate
+    before predicts at one order more than usual, as two runs may agree by chance. Each run starts from a state changed
+    by a few roundings, so that the difference also shows how they grow. With ``tolerance.signs`` the runs end when each
     output differs from 0 by more than its estimated error.
     """
     plan, duration = problem.plan, float(problem.plan.duration)
@@ -72,16 +73,17 @@ def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> S
         differences.append(largest(difference))
         floor = _ROUNDINGS * float(np.finfo(where.dtype).eps) * max(1.0, largest(path))
         stalled = len(differences) > 3 and differences[-1] > 0.5 * differences[-4]
-        error = max(floor, differences[-1], error / ratio**3 if error < math.inf else differences[-1] * _TWO_RUNS)
+        predicted = error / ratio ** (4 if corrected else 3) if len(counts) > 2 else differences[-1] * _TWO_RUNS
+        error = max(floor, differences[-1], predicted)
         order = 3.0 if corrected else _order(differences, ratio)
-        undecided = problem.free(~(np.abs(plan.output(end)) > 2 * difference + error))
+        undecided = problem.free(~(np.abs(plan.output(end)) > 2 * difference + 0.6 * error))
         done = together and error <= tolerance.error and not (tolerance.signs and undecided.any())
         most = MOST_RUNS_FOR_SIGNS if tolerance.signs else MOST_RUNS
         if done or stalled or len(counts) >= most or (error <= 2 * floor and not tolerance.signs):
             break
         aim = tolerance.error
         if tolerance.signs and undecided.any():
-            aim = min(aim, float(np.abs(end)[undecided].min()))
+            aim = min(aim, max(float(np.abs(end)[undecided].min()), error / 16))
         ratio = _next_ratio(differences[-1], ratio, order, aim)
         ratio = 2.0 ** math.ceil(math.log2(ratio) - 1e-9) if problem.timed else ratio
         before = path
@@ -129,13 +131,19 @@ def _corrected_run(problem: TransientProblem) -> Run:
     system = linear_system(plan.template.feedback_taps, plan.shape, plan.boundary)
     drive = system.drive + control(plan, state.astype(np.float64), u, bias).ravel()
     cells = np.stack([drive, np.ones(drive.size) if mask is None else 1.0 - mask.ravel()])
-    rows, duration = (system.matrix.indptr, system.matrix.indices, system.matrix.data), float(plan.duration)
+    matrix, duration = (system.matrix.indptr, system.matrix.indices, system.matrix.data), float(plan.duration)
+    taps = plan.template.feedback_taps
+    inside = np.zeros(plan.shape, bool)
+    r = reach((k, l) for k, l, _ in taps)
+    inside[r : plan.shape[0] - r, r : plan.shape[1] - r] = True
+    offsets = np.array([k * plan.shape[1] + l for k, l, _ in taps], np.int64)
+    shifted = offsets, np.array([weight for *_, weight in taps], float), np.flatnonzero(~inside)
 
     def run(start: Array, count: int) -> Array:
         x = start.astype(np.float64).ravel()
         states = np.empty((_STATES, *start.shape))
         for n in range(_STATES):
-            corrected_steps(*rows, cells, x, duration / count, count // _STATES)
+            corrected_steps(matrix, shifted, cells, x, duration / count, count // _STATES)
             states[n] = x.reshape(start.shape)
         return states
 
