@@ -33,7 +33,7 @@ class LinearSteps(CheckedSteps):
         defines = {
             **tap_defines(plan.feedback_taps, plan.boundary, plan.boundary.y, context.dtype),
             **cell_defines(plan, self._mask),
-            **_shared_sums(context, plan),
+            **_fewer_loads(context, plan),
             **({"SLEEP": ""} if self._sleeps else {}),
             "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
             **tiles.defines,
@@ -64,10 +64,16 @@ class LinearSteps(CheckedSteps):
         self._launches, self._last_steps = self._launches + 1, steps
 
 
-def _shared_sums(context: DeviceContext, plan: Plan) -> Defines:
-    """Return the weights of an isotropic template in float32; float64 keeps the reference's order of sums."""
-    if context.family != "cpu" or "shared sums" not in plan.savings or context.dtype != np.float32:
+def _fewer_loads(context: DeviceContext, plan: Plan) -> Defines:
+    """Return the definitions of templates whose neighbours block.cl need not load one by one.
+
+    Isotropic ones only in float32: float64 keeps the reference's order of sums.
+    """
+    if context.family != "cpu":
         return {}
-    names = {"CENTRE": (1, 1), "EDGE": (0, 1), "CORNER": (0, 0)}
-    A: Any = plan.template.A
-    return {"SHARED_SUMS": "", **{name: literal(A[at], context.dtype) for name, at in names.items()}}
+    if "shared sums" in plan.savings and context.dtype == np.float32:
+        names = {"CENTRE": (1, 1), "EDGE": (0, 1), "CORNER": (0, 0)}
+        A: Any = plan.template.A
+        return {"SHARED_SUMS": "", **{name: literal(A[at], context.dtype) for name, at in names.items()}}
+    sides = [tap for tap in plan.feedback_taps if tap.l]
+    return {"SIDES_IN_ROW": ""} if sides and all(tap.k == 0 and abs(tap.l) == 1 for tap in sides) else {}

@@ -9,14 +9,18 @@
 // A vector of cells from column j + l on of row q of the block, or of its neighbours' rows.
 #define NEIGHBOUR(q, l) VEC(const __local, y + (q) * STRIDE + j + (l))
 
+#if defined SHARED_SUMS || defined SIDES_IN_ROW
+// A column's sum, or its cell where no other row is read next to a cell, is carried on from vector to vector and moved
+// sideways: a vector of cells to the left or right would be loaded over the end of a cache line.
 #ifdef SHARED_SUMS
-// Sums of a column's three cells are carried on from vector to vector and moved sideways: a vector of cells to the left or
-// right would be loaded over the end of a cache line.
 #define COLUMN(q, l, corner, edge) \
     ((real)(corner) * (NEIGHBOUR(q - 1, l) + NEIGHBOUR(q + 1, l)) + (real)(edge) * NEIGHBOUR(q, l))
 #define SIDE(q, l) COLUMN(q, l, CORNER, EDGE)
 #define MIDDLE(q, l) COLUMN(q, l, EDGE, CENTRE)
 #define CARRY(q) vec before##q = SIDE(q, -V), here##q = SIDE(q, 0), middle##q = MIDDLE(q, 0);
+#else
+#define CARRY(q) vec before##q = NEIGHBOUR(q, -V), here##q = NEIGHBOUR(q, 0);
+#endif
 #define WRITE(q)
 #define SHOW(q) VEC(__local, y + (q - RADIUS) * STRIDE + j) = CLIP(vec, s##q);
 #if V == 16
@@ -62,6 +66,14 @@ step_block(__local real *y, __local real *x, const __local real *w, const __loca
     d##q += middle##q;                                                                          \
     d##q += TO_THE_RIGHT(before##q, here##q) + TO_THE_LEFT(here##q, after##q);                  \
     before##q = here##q, here##q = after##q, middle##q = MIDDLE(q, V);
+#elif defined SIDES_IN_ROW
+#define TAP(q, k, l, weight)                                                                    \
+    d##q += (real)(weight) * ((l) < 0 ? TO_THE_RIGHT(before##q, here##q) : (l) > 0 ? TO_THE_LEFT(here##q, after##q) \
+                              : (k) ? NEIGHBOUR(q + (k), 0) : here##q);
+#define DRIVE(q)                                                                                \
+    const vec after##q = NEIGHBOUR(q, V);                                                       \
+    TAPS(TAP, q)                                                                                \
+    before##q = here##q, here##q = after##q;
 #else
 #define TAP(q, k, l, weight) d##q += (real)(weight) * NEIGHBOUR(q + (k), l);
 #define DRIVE(q) TAPS(TAP, q)
