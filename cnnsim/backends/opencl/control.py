@@ -69,7 +69,7 @@ def _with_control_terms(
     if u is None or not plan.template.control_terms:
         return bias
     table = tabulate(plan, [(0, term) for term in plan.template.control_terms], context.dtype)
-    planes, out = NetworkPlanes(context, plan, grid, table.radius, inputs=1, states=False), context.plane(grid.cells)
+    planes, out = NetworkPlanes(context, plan, grid, table.radius, delay=None, inputs=1), context.plane(grid.cells)
     planes.padded.pad(u, planes.u, 0, plan.boundary.u)
     planes.set_bias(bias)
     planes.do(Task.DRIVE, of_terms(context, plan, table, [0], output=False))

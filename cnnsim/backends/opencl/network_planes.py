@@ -65,22 +65,22 @@ def of_taps(context: DeviceContext, plan: Plan, stride: int) -> Neighbours:
 class NetworkPlanes:
     """The padded planes of a run, and the launch of tasks in them; see network.cl.
 
-    Arguments: ``delay`` [steps], the longest with which terms read states and outputs; ``inputs``, planes of the input;
-    ``z`` of each layer. Without ``states`` it is for the drive of the input alone.
+    Arguments: ``delay`` [steps], the longest with which terms read states and outputs, None where there is only the
+    drive of the input; ``inputs``, planes of the input; ``z`` of each layer.
     """
 
     def __init__(
-        self, context: DeviceContext, plan: Plan, grid: DeviceGrid, radius: int, *, delay: int = 0, inputs: int = 0,
-        z: Sequence[float] = (0.0,), mask: Buffer | None = None, states: bool = True,
+        self, context: DeviceContext, plan: Plan, grid: DeviceGrid, radius: int, *, delay: int | None = 0,
+        inputs: int = 0, z: Sequence[float] = (0.0,), mask: Buffer | None = None,
     ) -> None:  # fmt: skip
         self._context, self._plan, self._mask = context, plan, mask
         network, scheme = layered(plan.template) if plan.network is None else plan.network, plan.scheme
         stages = len(scheme.b) if scheme else 1
         self.padded = padded = PaddedPlanes(context, grid, len(network.layers), radius, plan.boundary)
-        self.stages, self.past = stages, delay + 2 if delay or stages == 1 else 1
+        self.stages, self.past = stages, (delay or 0) + 2 if delay or stages == 1 else 1
         self.w, of_states = padded.new(1), self.past + min(2, stages - 1)
-        self.x = padded.new(of_states) if states else self.w
-        self.y = padded.new(of_states) if states and plan.cell != "discrete-time" else self.x
+        self.x = padded.new(of_states) if delay is not None else self.w
+        self.y = padded.new(of_states) if delay is not None and plan.cell != "discrete-time" else self.x
         self.u = padded.new(inputs) if inputs else self.x
         keeps = scheme is not None and scheme.keeps_rates
         self._sums = padded.new(1 + keeps * stages) if stages > 1 else self.w
