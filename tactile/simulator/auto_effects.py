@@ -15,7 +15,7 @@ import numpy as np
 from cnnsim.support import Floats, InputError
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.scene.checks import COARSEST
-from tactile.simulator.scene.extremes import hardest_times
+from tactile.simulator.scene.extremes import hardest_times, key_times
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.summation import ACCURACY
 
@@ -59,6 +59,12 @@ def _crosstalk(effect: Any, on: Readings) -> float:
     return on.largest * (across + (1 + across) * 4 * abs(effect.neighbour))
 
 
+def _dead(effect: Any, on: Readings) -> float:
+    if (effect.dead + effect.stuck) * on.taxels < RARE:
+        return 0.0
+    return on.largest + on.full_scale * (effect.stuck > 0)
+
+
 def _drift(effect: Any, on: Readings) -> float:
     # a walk exceeds a level before its end twice as often as at its end
     spread = math.sqrt((effect.rate * on.duration) ** 2 + effect.walk**2 * on.duration)
@@ -94,6 +100,7 @@ BOUNDS: dict[str, Callable[[Any, Readings], float]] = {
     "temperature": _temperature,
     "taxel_mismatch": _mismatch,
     "viscoelastic": _viscoelastic,
+    "dead_taxels": _dead,
 }
 """Upper bound of the change of any reading by an effect; by a random one, for all seeds but one in a million.
 
@@ -137,7 +144,11 @@ def choose(scene: Scene, tolerance: float, reused: bool = False) -> Choice:
         if any(isinstance(one, HeightMap) for one in scene.contacts):  # a peak takes as long as a run
             unchanged = "quantisation" in effects
             return Choice(scene.with_effects(effects.items(), None if unchanged else accuracy), tolerance, {}, error)
-        times = [hardest_times(scene, finger, HARDEST) for finger in range(len(scene.arrays))]
+        fingers = range(len(scene.arrays))
+        if evaluated:
+            times = [hardest_times(scene, finger, HARDEST) for finger in fingers]
+        else:  # a lower peak is safe
+            times = [key_times(scene, finger, HARDEST)[0] for finger in fingers]
         peak = _peak(scene.with_effects((), accuracy), times)
         error += step_of(scene) / peak
         if error > tolerance:  # any change, however small, may become a step of the converter

@@ -90,7 +90,7 @@ def checked_field(scene: TheScene, finger: int) -> Field:
 
     Evenly spread frames, keyframes and, where an upper bound of the strain is above ``DEEP``, the hardest frames.
     """
-    times, by_path = _key_times(scene, finger, EVEN)
+    times, by_path = key_times(scene, finger, EVEN)
     field = scene.fixed_field(scene.skin.field(finger, times), finger)
     if by_path and most_strained(field) <= DEEP:
         return field
@@ -100,12 +100,12 @@ def checked_field(scene: TheScene, finger: int) -> Field:
 
 def hardest_times(scene: TheScene, finger: int, count: int) -> Floats:
     """Times [s] of the ``count`` frames in which the hardest loads are nearest to the taxels of a finger."""
-    times, _ = _key_times(scene, finger, count)
+    times, _ = key_times(scene, finger, count)
     return hardest_frames(scene.skin.field(finger, times), scene.samples, scene.rate, count)
 
 
-def _key_times(scene: TheScene, finger: int, even: int) -> tuple[Floats, bool]:
-    """Times [s] of evenly spread frames and of keyframes, and whether every contact follows a path."""
+def key_times(scene: TheScene, finger: int, even: int) -> tuple[Floats, bool]:
+    """Times [s] of ``even`` evenly spread frames and of keyframes, and whether every contact follows a path."""
     last, by_path = (scene.samples - 1) / scene.rate, True
     times = [np.linspace(0, last, min(even, scene.samples))]
     for one in scene.skin.contacts(finger):

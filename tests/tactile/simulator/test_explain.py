@@ -52,7 +52,7 @@ def test_sizes_are_those_in_this_scene() -> None:
 def test_the_size_of_what_is_random_is_a_bound_over_seeds() -> None:
     scene = needle(("read_noise", ReadNoise(0.01)), ("poisson_ratio", PoissonRatio(0.4)), ("dead_taxels", DeadTaxels()))
     sizes = {part.name: part.size for part in explain(scene).parts}
-    assert sizes["dead_taxels"] >= 0  # measured with three seeds
+    assert sizes["dead_taxels"] >= 1  # though none is dead with this seed
     plain = needle(("poisson_ratio", PoissonRatio(0.4)))
     most = error_of_seeds(
         plain, needle(("read_noise", ReadNoise(0.01)), ("poisson_ratio", PoissonRatio(0.4))), range(20)
