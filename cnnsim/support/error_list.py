@@ -1,7 +1,7 @@
 """List of the errors of one file: collected while it is read, and raised together."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from cnnsim.support.errors import InputError, MissingKeyError, SeveralFaultsError, naming
@@ -35,12 +35,8 @@ class ErrorList:
         The message is led by ``where`` and ends with the line of the table, or of its ``key``, where they are given.
         """
         try:
-            with located(table, key):
-                if not where:
-                    yield
-                else:
-                    with naming(where):
-                        yield
+            with located(table, key), naming(where) if where else nullcontext():
+                yield
         except InputError as error:
             for one in error.faults if isinstance(error, SeveralFaultsError) else (error,):
                 if not (self._missing_known and isinstance(one, MissingKeyError)):

@@ -57,12 +57,14 @@ class _Scan:
         self.text, self.at, self.found = text.replace("\r\n", "\n"), 0, dict[Path, int]()
         self.ends = [match.start() for match in re.finditer("\n", self.text)]
         self.first_table: int | None = None
-        table, last = (), dict[Path, int]()  # type: Path, dict[Path, int]
+        table: Path = ()
+        last: dict[Path, int] = {}
         while (line := self._line()) and self.at < len(self.text):
             if not self._take("["):
                 self._pair(table)
                 continue
-            self.first_table, many, table = self.first_table or line, self._take("["), ()
+            self.first_table = self.first_table or line
+            many, table = self._take("["), ()
             keys = self._keys()
             for number, key in enumerate(keys, 1):
                 table = (*table, key)

@@ -1,4 +1,4 @@
-"""A wrong value in one key of a file hides no other: of any two that are wrong both are told, each with its line."""
+"""An error in one key of a file hides no other: of any two both are reported, each with its line."""
 
 import re
 from itertools import combinations

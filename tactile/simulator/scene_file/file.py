@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from cnnsim.support import InputError
 from cnnsim.support.error_list import ErrorList
 from cnnsim.support.limits import FRAMES, RATE, check_most
-from cnnsim.support.toml_file import line_of, read_toml, take, take_choice, take_positive, take_tables
+from cnnsim.support.toml_file import line_of, read_toml, take, take_choice, take_from_zero, take_positive, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.simulator.scene.scene import FULL_SCALE, Scene
@@ -95,7 +95,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
     effects = _effects(table, where, read)
     rate, duration = (read(take_positive, table, key, where) for key in ("rate_hz", "duration_s"))
     title, seed = read(take, table, "title", str, where), read(take_seed, table, where)
-    accuracy = read(take, table, "accuracy", float, where, ACCURACY)
+    accuracy = read(take_from_zero, table, "accuracy", where, ACCURACY)
     tolerance = read(_tolerance, table, where)
     errors.raise_all()
     bumps = _checked_bumps(cover, arrays, contacts, effects, where) if bumpy else None

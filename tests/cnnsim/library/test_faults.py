@@ -1,4 +1,4 @@
-"""All that is missing, unknown and wrong in a file is told at once, each with its line."""
+"""All errors of a file are reported at once, each with its line."""
 
 import re
 from collections.abc import Callable
@@ -103,7 +103,7 @@ cells = 3
     ("s", SWEEP, lambda path: read_sweep(path, {"transients": "cnnsim.sweep.transients"}),
      {"'foo'": 2, "'templat'": 4, "no 'template'": 3, "cells in [grid] and in [fixed]": 6, "cells = 3": 5}),
 ])  # fmt: skip
-def test_all_faults_of_a_file_are_told_at_once(
+def test_all_errors_of_a_file_are_reported_at_once(
     name: str, text: str, read: Callable[[Path], Any], told: dict[str, int | None], tmp_path: Path
 ) -> None:
     file = tmp_path / f"{name}.toml"
@@ -118,7 +118,7 @@ def test_all_faults_of_a_file_are_told_at_once(
     assert "read before" not in message  # what a wrong step would have written is no fault of the next one
 
 
-def test_of_many_faults_the_first_are_told() -> None:
+def test_of_many_errors_the_first_are_reported() -> None:
     faults = ErrorList("x.toml")
     for number in range(MOST_FAULTS + 5):
         faults.check({f"key-{number}": 1}, ("a",))

@@ -1,4 +1,4 @@
-"""What is wrong with a file is told with its line, of whatever key or step it is."""
+"""Line numbers of the keys and tables of TOML files, and errors that have them."""
 
 import re
 import tomllib
