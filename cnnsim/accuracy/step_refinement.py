@@ -63,7 +63,7 @@ def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> S
     counts = [whole * math.ceil(duration / first / whole - 1e-9)]
     before = run(problem.perturbed(where, _ROUNDINGS), counts[0])
     differences: list[float] = []
-    error, ratio, done = math.inf, _LEAST_RATIO, False
+    error, ratio, done = math.inf, 2.0 if problem.timed else _LEAST_RATIO, False  # delays are whole steps
     while True:
         counts.append(whole * math.ceil(counts[-1] * ratio / whole))
         check_count(duration, duration / counts[-1])

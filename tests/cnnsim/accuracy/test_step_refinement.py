@@ -10,8 +10,10 @@ from cnnsim import PERIODIC, ZERO_FLUX, Boundary, Template, Term, fixed, run_tra
 from cnnsim.accuracy.corrected_rk4 import clipped_integral
 from cnnsim.accuracy.step_refinement import _corrected_run
 from cnnsim.backends.reference.drive import control
+from cnnsim.prototyping.accuracy.work_precision import reference_state
 from cnnsim.support import Floats
 from cnnsim.task import make_task
+from tests.benchmarks.accuracy.families import families
 from tests.benchmarks.accuracy.random_cases import case
 from tests.kits.backends import REFERENCE
 from tests.oracles.exact_transient import by_scipy, exact
@@ -103,6 +105,15 @@ def test_a_delayed_cell_follows_the_method_of_steps(accuracy: float) -> None:
     found = run_transient(late, state=np.full((2, 3), x0), duration=t, accuracy=accuracy)
     assert np.abs(found.x - truth).max() <= min(accuracy, 2 * found.error)
     assert found.plan.steps <= 50_000
+
+
+@pytest.mark.parametrize("name", ["delayed", "layered"])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-4])
+def test_delays_and_layers_are_followed(name: str, accuracy: float) -> None:
+    given = families()[name]
+    truth, _ = reference_state(given)
+    found = run_transient(**given, accuracy=accuracy)
+    assert np.abs(found.x - truth).max() <= min(accuracy, found.error)
 
 
 def test_the_estimate_is_not_below_the_last_difference() -> None:
