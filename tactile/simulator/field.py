@@ -10,7 +10,7 @@ from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.loads import Loads, together
 from tactile.simulator.contacts.mounting import STILL, Rig
 from tactile.simulator.summation import ACCURACY, field_at
-from tactile.simulator.taxels import Taxels
+from tactile.simulator.taxels import TaxelLayout
 
 if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
@@ -37,7 +37,7 @@ class Field:
     times: Floats
     first: int
     contacts: tuple[Contact, ...]
-    taxels: Taxels
+    taxels: TaxelLayout
     rig: Rig = STILL
     accuracy: float = ACCURACY
     bumps: "Bumps | None" = field(default=None, compare=False)

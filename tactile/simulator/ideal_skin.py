@@ -13,7 +13,7 @@ from tactile.elastic.medium import Felt, Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Contact, Field
-from tactile.simulator.taxels import Taxels
+from tactile.simulator.taxels import TaxelLayout
 
 if TYPE_CHECKING:
     from tactile.simulator.bump_cover import Bumps
@@ -51,7 +51,7 @@ class IdealSkin:
         """The field at the taxels at any times [s], the first of them that of frame ``first``."""
         array = self.arrays[finger]
         return Field(
-            array, self.medium(finger), times, first, self.contacts(finger), Taxels.of(array),
+            array, self.medium(finger), times, first, self.contacts(finger), TaxelLayout.of(array),
             accuracy=self.accuracy, bumps=self.bumps,
         )  # fmt: skip
 

@@ -24,7 +24,7 @@ Reading = Callable[[Floats, float, Medium], Floats]
 
 
 @dataclass(frozen=True)
-class Taxels:
+class TaxelLayout:
     """The taxels of one finger: ``places`` (rows, cols, 2) [m], ``depth`` [m].
 
     ``width`` [m] of square taxels that read the mean over their area, 0 for points; ``thicker`` (rows, cols) [m]:
@@ -38,11 +38,11 @@ class Taxels:
     turn: float = 0.0
 
     @classmethod
-    def of(cls, array: TaxelArray) -> "Taxels":
+    def of(cls, array: TaxelArray) -> "TaxelLayout":
         """Points at the places of an array."""
         return cls(array.positions(), array.depth)
 
-    def raised(self, thicker: Floats) -> "Taxels":
+    def raised(self, thicker: Floats) -> "TaxelLayout":
         """The taxels under a cover that is thicker by another (rows, cols) [m]."""
         return replace(self, thicker=thicker if self.thicker is None else self.thicker + thicker)
 
@@ -91,8 +91,8 @@ class Taxels:
         nodes = list(self._nodes(accuracy))
         if at_once and len(nodes) * self.places[..., 0].size <= AT_ONCE:
             steps = np.array([step for step, _ in nodes])[:, None, None]
-            felt = reading(self.places + steps, self.depth, medium)
-            return np.asarray(np.einsum("n,fn...->f...", [share for _, share in nodes], felt))
+            values = reading(self.places + steps, self.depth, medium)
+            return np.asarray(np.einsum("n,fn...->f...", [share for _, share in nodes], values))
         values = np.zeros(())
         for step, share in nodes:
             values = values + share * reading(self.places + step, self.depth, medium)

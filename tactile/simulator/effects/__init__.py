@@ -52,7 +52,7 @@ MODULES = (
     "quantisation",
     "frame_timing",
 )
-"""The effects' files in the order in which they act: what presses, the cover, the taxels, the electronics."""
+"""The effects' files in the order in which they act: contacts, cover, taxels, electronics."""
 ORDER = tuple(module.rpartition(".")[2] for module in MODULES)
 """Names of all effects in that order."""
 

@@ -186,14 +186,14 @@ def _dragged(name: str, over: float, contact: MovingContact) -> Iterator[str]:
     if contact.indenter.shape == "flat_punch" and pulls.any() and over > STICKS:
         yield (
             f"{name}, {over:.2g} thicknesses of the cover in radius, sticks while it is pulled; at most {STICKS:g} "
-            "wanted: the pull is spread like its pressure, and what is felt of it is off by 13 % at 1 and 38 % at 2"
+            "wanted: the pull is spread like its pressure, and its readings are wrong by 13 % at 1 and 38 % at 2"
         )
     if not contact.friction or contact.indenter.shape == "flat_punch" or not pulls.any():
         return
     if over > SLIPS:
         yield (
             f"{name}, {over:.2g} thicknesses of the cover in radius, slips from its rim inwards under a pull; at "
-            f"most {SLIPS:g} wanted, up to where what is felt of it is known to be off by 3 % at most"
+            f"most {SLIPS:g} wanted, up to which its readings are wrong by at most 3 %"
         )
 
 

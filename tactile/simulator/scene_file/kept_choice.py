@@ -29,7 +29,7 @@ def write_choice(path: Path, table: dict[str, Any], choice: Choice | None, write
         raise InputError(f"{write} is the scene itself; another name wanted")
     files = table.get("map") or any("file" in contact for contact in table.get("contact", []))
     if files and write.resolve().parent != path.resolve().parent:
-        raise InputError(f"{write}: {path} reads files beside it; a file in the same folder wanted")
+        raise InputError(f"{write}: {path} reads files of its folder; a file in the same folder wanted")
     lines: list[str] = []
     skipping = False
     for line in path.read_text(encoding="utf-8").splitlines():

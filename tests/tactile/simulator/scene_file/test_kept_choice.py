@@ -50,5 +50,5 @@ def test_a_choice_is_kept_beside_its_scene_and_the_files_it_reads(tmp_path: Path
     assert "is the scene itself; another name wanted" in str(done.exception)
     assert path.read_text(encoding="utf-8") == text
     table = tomllib.loads(text) | {"contact": [{"shape": "height_map", "file": "key.npy"}]}
-    with pytest.raises(InputError, match="reads files beside it"):
+    with pytest.raises(InputError, match="reads files of its folder"):
         write_choice(path, table, choose(read_scene(SCENES / "needle.toml"), 0.1), tmp_path / "other" / "kept.toml")
