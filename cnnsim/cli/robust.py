@@ -58,7 +58,7 @@ def robust(
     with progress(name) as track:
         found = measure(entry, draws=draws, seed=seed, track=track, shown=shown)
     if output is not None:
-        from cnnsim.prototyping.robust.plot import draw_robustness
+        from cnnsim.prototyping.robust.report import draw_robustness
 
         draw_robustness(found, output)
     if as_json:

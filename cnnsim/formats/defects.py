@@ -1,4 +1,4 @@
-"""Defects of imported templates: known ones, differences from the library, and what the numbers alone show."""
+"""Defects of imported templates: known ones, differences from the library, and faults of the numbers."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -63,7 +63,7 @@ def compare(imported: Imported, entry: LibraryEntry) -> Iterator[str]:
 
 
 def _from_numbers(imported: Imported, verified: bool) -> Iterator[str]:
-    """Yield what the numbers alone show; of the boundary only where no verified template says which one it takes."""
+    """Yield warnings from the numbers alone; of the boundary only if no verified template has one."""
     template = imported.network
     if isinstance(template, Template) and template.linear and template.uncoupled and template.control_taps:
         a, reach = template.self_feedback, float(np.abs(template.B).sum())
@@ -93,7 +93,7 @@ KNOWN: dict[str, str] = {
         ("T1_RACC3", "T2_RACC3", "T3_RACC3", "T4_RACC3", "TX_RACC3", "TX_RACC5", "TX_HCLC"),
         "learned texture template without a running time; its task could be reproduced in part, at a time of 6 to 10",
     ),
-    **dict.fromkeys(("PARITY", "MAJVOT2"), "with the functions as printed it does not do what its header says"),
+    **dict.fromkeys(("PARITY", "MAJVOT2"), "the printed functions do not do what its header describes"),
     "HISTOGRAM": "works in discrete time with a black west border only; in continuous time it stalls half-way",
     "HISTOGR": "works in discrete time with a black west border only; in continuous time it stalls half-way",
     "CONCCONT": "works in discrete time only; in continuous time its rings are distorted",

@@ -49,7 +49,7 @@ _OF_PARTS = {"matcnn", "json"}  # files of many templates: an error in one leave
 
 @dataclass
 class ImportedFile:
-    """What became of one file: its report, the files that were written, the templates that were not."""
+    """Result of the import of a file: its report, the written files, the templates that are not written."""
 
     report: Diagnostics
     written: list[Path] = field(default_factory=list)

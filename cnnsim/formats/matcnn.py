@@ -23,14 +23,14 @@ from cnnsim.network.table import from_pairs
 from cnnsim.support import Diagnostics, Floats, InputError
 from cnnsim.support.limits import TEMPLATES
 
-_CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D says its own
+_CODES = {"a": 33, "b": 11}  # A: of y_kl - y_ij, B: of u_kl - u_ij; D has its own
 _QUANTITIES = {"1": "u", "2": "x", "3": "y"}
 _PARTS = ("A", "B", "I", "a", "Aa", "b", "Bb", "d", "Dd")
 
 
 @dataclass
 class MatcnnEntry:
-    """What a file says of one name: its parts, and the line where it begins."""
+    """The parts of one template in a file, and the line where it begins."""
 
     name: str
     line: int
@@ -51,7 +51,7 @@ def read_matcnn(data: bytes, report: Diagnostics) -> dict[str, MatcnnEntry]:
             continue
         target = tokens[0].text
         if len(values) >= TEMPLATES * len(_PARTS):
-            raise InputError(f"line {line}: more than {len(values)} assignments; so many at most wanted")
+            raise InputError(f"line {line}: more than {len(values)} assignments; at most that many wanted")
         name, underscore, part = target.rpartition("_")
         entry = MatcnnEntry(name, line)
         if underscore and part in _PARTS:

@@ -83,6 +83,8 @@ def steps_of_superstep(engine: Engine, plan: Plan, side: int) -> int:
     steps = engine.depth or max(1, min(MOST_STEPS, side // (HALO_PART * max(1, reach_of(plan)))))
     if plan.duration != "settled":
         return math.ceil(plan.steps / math.ceil(plan.steps / steps)) if plan.steps else 0
+    if engine.depth is None and 4 * plan.check_every * reach_of(plan) <= side:
+        steps = max(steps, plan.check_every)
     return max(steps // plan.check_every * plan.check_every, min(steps, plan.check_every))
 
 

@@ -87,7 +87,7 @@ class Supersteps:
         return tuple(step for step in range(first, after + 1) if step % plan.check_every == 0 or step == plan.steps)
 
     def _tasks(self, steps: int, checks: tuple[int, ...], *, skip: bool) -> list[BlockReport]:
-        """Step all blocks, or those that may change, and return the reports of all."""
+        """Step all blocks, or the blocks that may change, and return all reports."""
         halo = halo_of(self.plan, steps)
         waiting = [
             self._task(block, steps, checks, halo)

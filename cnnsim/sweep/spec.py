@@ -17,7 +17,7 @@ from cnnsim.support.toml_file import check_keys, located, read_toml, take
 from cnnsim.sweep.kind import Case, Kind, load_kind
 
 MOST_CASES = 10**8
-"""Cases of a sweep: more rows than a table on one disk is good for."""
+"""The most cases of a sweep."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Sweep:
 
     @property
     def digest(self) -> str:
-        """What tells this sweep from another one: of its module, its grid and what is fixed."""
+        """The checksum of its module, its grid and its fixed values."""
         return sha256(json.dumps([self.module, list(self.grid.items()), dict(self.fixed)]).encode()).hexdigest()
 
 
@@ -106,7 +106,7 @@ def _parts(
 
 
 def _check(sweep: Sweep) -> None:
-    """Check each value of each key once, beside the first values of the others."""
+    """Check each value of each key once, with the first values of the other keys."""
     if sweep.kind.check is None:
         return
     first: Case = sweep.case(0)
@@ -149,7 +149,7 @@ def _range(table: Mapping[str, Any], where: str) -> tuple[Any, ...]:
 
 
 def _plain(value: Any) -> Any:
-    """Return tables and lists of a file as plain ones: they travel to other processes, and into the digest."""
+    """Return tables and lists of a file as plain ones, for other processes and the checksum."""
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     return [_plain(entry) for entry in value] if isinstance(value, list) else value

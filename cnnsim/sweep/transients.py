@@ -1,4 +1,4 @@
-"""Transients as cases of a sweep: a template on a random picture, many grids of one shape in one launch."""
+"""Sweep of transients: a template on random pictures, grids of one shape as a batch."""
 
 from collections.abc import Hashable, Sequence
 from typing import Any
@@ -17,7 +17,7 @@ KEYS = {
     "rows": "rows of the grid; 64 without it",
     "cols": "columns; as many as rows without it",
     "density": "the share of black cells of the random picture; 0.5 without it",
-    "noise": "standard deviation of what is added to the picture, which is then clipped to +-1",
+    "noise": "standard deviation of the noise added to the picture, which is then clipped to +-1",
     "seed": "of the random picture and its noise; 0 without it",
     "z": "the bias in place of the template's",
     "gain": "a factor on A and B",
@@ -25,16 +25,16 @@ KEYS = {
     "time": "time constants in place of the template's rule",
     "step": "step in time constants",
     "scheme": "integration scheme",
-    "limit": "time constants to wait for rest at most",
+    "limit": "the most time constants until settled",
     "dtype": "float32 or float64",
     "backend": "cpu, opencl or reference",
 }
 _OF_A_PLANE = ("density", "noise", "seed")
-"""What may differ between the grids of one launch."""
+"""Keys that may differ between the grids of a batch."""
 
 
 def group(case: Case) -> Hashable:
-    """Return what cases of one launch share: all but the picture."""
+    """Return the values that the cases of a batch share: all but the picture."""
     return repr(sorted((key, value) for key, value in case.items() if key not in _OF_A_PLANE))
 
 
@@ -65,7 +65,7 @@ def picture(case: Case) -> Array:
 
 
 def run(cases: Sequence[Case]) -> list[Row]:
-    """Run cases of one group as one batch; to ``"settled"`` all go on until the last of them has settled."""
+    """Run cases of one group as one batch; until settled, all run until the last one has settled."""
     first = cases[0]
     entry = load(first["template"])
     shown = np.array([picture(case) for case in cases])

@@ -1,4 +1,4 @@
-"""Thresholds as cases of a sweep: labelled recordings scored with each choice of them."""
+"""Sweep of thresholds: labelled recordings scored with each choice."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,15 +18,15 @@ from tactile.thresholds.levels import SIGMAS
 SIGMA_KEYS = {"dead_band_sigmas": "dead_band", "hysteresis_sigmas": "hysteresis", "contact_sigmas": "contact"}
 KEYS = {
     "recordings": "the folder of the recordings",
-    "labels": "the CSV file of what happened in them, as of tactile score",
-    "window_ms": "how near to its label an event has to begin [ms], 50 where nobody says",
+    "labels": "the CSV file of their labels, as for tactile score",
+    "window_ms": "the largest distance of an event's start from its label [ms]; default 50",
     "dead_band": "least threshold of shear, as --dead-band",
     "hysteresis": "as --hysteresis",
     "contact_level": "least threshold of contact, as --contact-level",
     "dead_band_sigmas": "dead band as multiple of a taxel's noise, the first number of --sigmas",
     "hysteresis_sigmas": "hysteresis, the second",
     "contact_sigmas": "contact level, the third",
-    "program": "a detector or program of yours",
+    "program": "a detector or program file",
 }
 
 
@@ -67,7 +67,7 @@ def run_one(case: Case) -> Row:
     found = score(Path(case["recordings"]), read_labels(Path(case["labels"])), opened, window).plain()
     row: Row = {}
     for kind, figures in found.pop("kinds").items():
-        if not kind.startswith(MARK):  # the baselines know no thresholds
+        if not kind.startswith(MARK):  # baselines have no thresholds
             errors = figures.pop("onset_error_s") or (None, None, None)
             row |= {f"{kind}_{name}": value for name, value in figures.items()}
             row |= {f"{kind}_onset_ms_{part}": None if one is None else 1e3 * one for part, one in
@@ -76,7 +76,7 @@ def run_one(case: Case) -> Row:
 
 
 def _flat(plain: dict[str, Any]) -> Row:
-    """Return figures of figures as figures, their names joined."""
+    """Return nested tables as one table, with joined names."""
     row: Row = {}
     for name, value in plain.items():
         if isinstance(value, dict):

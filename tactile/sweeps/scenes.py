@@ -1,4 +1,4 @@
-"""Scenes as cases of a sweep: arrays, effects, forces, seeds and thresholds of a scene file, changed and run."""
+"""Sweep of scenes: a scene file with changed arrays, effects, forces, seeds and thresholds."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ TOP = ("rate_hz", "duration_s", "seed")
 THRESHOLDS = ("dead_band", "hysteresis", "contact_level")
 KEYS = {
     "scene": "a scene file",
-    "rows": "rows of taxels of every finger, in place of the file's",
+    "rows": "rows of taxels of each finger",
     "cols": "columns of taxels",
     "pitch_mm": "distance of the taxels [mm]",
     "depth_mm": "depth of the taxels [mm]",
@@ -30,13 +30,13 @@ KEYS = {
     "duration_s": "length of the scene [s]",
     "seed": "of the effects' random numbers",
     "youngs_modulus_mpa": "of the cover [MPa]",
-    "effects": "false: all effects are left out; a table of [effect.NAME] tables: these in place of the file's",
+    "effects": "false for no effects, or a table of [effect.NAME] tables instead of the file's",
     "force": "a factor on all forces of the scene's loads",
     "dead_band": "least threshold of shear, as --dead-band",
     "hysteresis": "as --hysteresis",
     "contact_level": "least threshold of contact, as --contact-level",
     "sigmas": "three multiples of the noise, as --sigmas",
-    "program": "a detector or program of yours",
+    "program": "a detector or program file",
 }
 
 

@@ -1,4 +1,4 @@
-"""Reads matrices and function lines of ``.tem`` files."""
+"""Read matrices and function lines of ``.tem`` files."""
 
 import re
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ _NAME = re.compile(r"[A-Za-z]+:?")
 
 @dataclass
 class Cursor:
-    """A place in the lines, and where to complain."""
+    """A position in the lines, and the report for errors."""
 
     lines: list[Line]
     report: Diagnostics
@@ -86,7 +86,7 @@ def read_argument(cursor: Cursor) -> tuple[str, str]:
 
 
 def read_matrix(cursor: Cursor, heading: Line, first: str) -> tuple[tuple[MatrixEntry, ...], ...]:
-    """Read the rows up to the next keyword or function line; () if they make no odd square, with an error said."""
+    """Read the rows up to the next keyword or function line; () with an error if they are no odd square."""
     rows = [Line(heading.number, first)] if first else []
     while line := cursor.peek():
         side = len(rows[0].words) if rows else 0

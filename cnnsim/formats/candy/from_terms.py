@@ -1,4 +1,4 @@
-"""From our templates to the blocks of a ``.tem`` file: the reverse of `terms`, where the format has the words."""
+"""Blocks of a ``.tem`` file from a template of the library: the reverse of `terms`, as far as the format allows."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
@@ -27,7 +27,7 @@ class _Matrix:
 
 
 _WRITTEN = {"weights", "of", "table", "times", "delay", "layer"}
-"""All that a term says; a key that comes later is refused until it is written here."""
+"""The fields of a term that are written; a term with any other field is refused."""
 
 
 def template_section(template: AnyTemplate) -> Section:
@@ -59,7 +59,7 @@ def _layer(template: Template, number: int, several: bool) -> Layer:
             blocks += _linear(_linear_kind(term), term.weights, source, term.delay or None)
             continue
         if term.delay:
-            raise InputError(f"a delayed function, {term}: no block of a .tem file says that")
+            raise InputError(f"a delayed function, {term}: a .tem file has no block for it")
         operation, of, argument, factor, table = _nonlinear_kind(term, term.table)
         key = (operation, source, argument, factor)
         matrix = matrices.setdefault(key, _Matrix(max(term.weights.shape[0], 3)))
@@ -88,7 +88,7 @@ def _linear_kind(term: Term) -> Operation:
     if term.times is None and term.of.centre is None and term.of.neighbour in _KINDS:
         kind: Operation = "feedback" if term.of.neighbour == "y" else "control"
         return f"delayed_{kind}" if term.delay else kind  # type: ignore[return-value]  # both are operations
-    raise InputError(f"the term {term}: no block of a .tem file says that")
+    raise InputError(f"the term {term}: a .tem file has no block for it")
 
 
 def _nonlinear_kind(term: Term, table: Table) -> tuple[Operation, Literal["-", "0", ""], str, str, Table]:
@@ -97,7 +97,7 @@ def _nonlinear_kind(term: Term, table: Table) -> tuple[Operation, Literal["-", "
     if times is None and of.centre is None and of.neighbour in _KINDS:
         return _KINDS[of.neighbour], "0", "", "", _edges_right(table, term)
     if of.centre is None or (times is not None and times.centre is None):
-        raise InputError(f"the term {term}: no block of a .tem file says that")
+        raise InputError(f"the term {term}: a .tem file has no block for it")
     turned = _edges_right(table.mirrored(), term)
     if times is None and of.centre == of.neighbour and of.neighbour in _KINDS:
         return _KINDS[of.neighbour], "-", "", "", turned

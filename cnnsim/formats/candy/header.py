@@ -1,4 +1,4 @@
-"""Reads the header comments of a ``.tem`` file: boundary, initial state, input, running time, cell model."""
+"""Read the header comments of a ``.tem`` file: boundary, initial state, input, running time, cell model."""
 
 import re
 from dataclasses import dataclass, replace
@@ -18,21 +18,21 @@ _TIME = re.compile(r"(\S+)\s*(?:tau|time constants?|t)?\.?", re.I)
 
 @dataclass(frozen=True)
 class Setting:
-    """The setting in our words. ``discrete`` is True for DT-CNN; ``said`` names what the header says at all."""
+    """The setting of a template. ``discrete``: DT-CNN; ``given``: the keys that the header has."""
 
     input: Role = "picture"
     initial_state: Role = "picture"
     boundary: Boundary = ZERO_FLUX
     duration: Duration = "settled"
     discrete: bool = False
-    said: frozenset[str] = frozenset()
+    given: frozenset[str] = frozenset()
 
 
 def read_setting(tem: TemFile, report: Diagnostics) -> Setting:
     """Read %Setting, %Timing and %CNNModel; what is not understood is a warning, and the default stands."""
     header = tem.header("Setting")
     parts = {key.lower(): value.strip() for key, value in _PART.findall(header.text)}
-    setting = Setting(said=frozenset(parts) & {"input", "inistate", "boundary"})
+    setting = Setting(given=frozenset(parts) & {"input", "inistate", "boundary"})
     rest = _PART.sub("", header.text).strip(" ,.-")
     if rest or parts.keys() - {"input", "inistate", "boundary"}:
         report.warning(header.line, f"%Setting: not all is understood: {header.text!r}")

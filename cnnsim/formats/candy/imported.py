@@ -1,4 +1,4 @@
-"""From the content of a ``.tem`` file to templates of our library, with the setting that its headers give."""
+"""Templates of the library from the content of a ``.tem`` file, with the setting of its headers."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ _AFTER_DELAY = 10.0  # time constants in which a cell without neighbours is at r
 
 
 def tem_templates(tem: TemFile, stem: str, report: Diagnostics) -> list[Imported]:
-    """Return every template of the file; one that cannot be written says why."""
+    """Return every template of the file; one that cannot be written has the reason."""
     setting = read_setting(tem, report)
     sections = [(k, section) for k, section in enumerate(tem.sections) if section.layers]
     templates = [_imported(tem, section, k, stem, setting, report) for k, section in sections]
@@ -44,7 +44,7 @@ def _imported(tem: TemFile, section: Section, k: int, stem: str, setting: Settin
 def _with_setting(imported: Imported, tem: TemFile, setting: Setting, report: Diagnostics) -> Imported:
     """Make input and initial state fit the numbers; every change is a warning."""
     line = tem.header("Setting").line or None
-    if unsaid := [key for key in ("input", "inistate", "boundary") if key not in setting.said]:
+    if unsaid := [key for key in ("input", "inistate", "boundary") if key not in setting.given]:
         words = {"input": "input", "inistate": "initial state", "boundary": "boundary"}
         names = ", ".join(words[key] for key in unsaid)
         report.warning(line, f"the header says nothing of {names}; picture and zero-flux are taken: check them")

@@ -1,4 +1,4 @@
-"""Gathers the statements of a ``.tem`` file into layers and sections, and says what is double, missing or unknown."""
+"""Gather the statements of a ``.tem`` file into layers and sections; report duplicate, missing and unknown ones."""
 
 from dataclasses import dataclass, field, replace
 
@@ -22,7 +22,7 @@ class LayerBuilder:
 
     @property
     def has_content(self) -> bool:
-        """True if anything was said."""
+        """Whether there is any statement."""
         return bool(self.blocks or self.functions) or self.current is not None
 
     def set_current(self, value: float | None, line: int) -> None:
@@ -94,7 +94,7 @@ def _letters(block: Block) -> list[str]:
 
 @dataclass
 class SectionBuilder:
-    """A template while it is read: its layers, of which there is one unless LAYER says otherwise."""
+    """A template while it is read: its layers, one without LAYER statements."""
 
     report: Diagnostics
     title: str = ""
@@ -112,7 +112,7 @@ class SectionBuilder:
 
     @property
     def has_content(self) -> bool:
-        """True if anything was said."""
+        """Whether there is any statement."""
         return any(layer.has_content for layer in self.layers)
 
     def name(self, line: Line) -> None:

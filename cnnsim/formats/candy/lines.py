@@ -18,7 +18,7 @@ _LINE_END = re.compile(r"\r*\n|\r+")
 
 @dataclass(frozen=True)
 class Line:
-    """A line that says something: its number, its text without comment, its keyword and what follows it."""
+    """A line with content: its number, its text without comment, its keyword and the text after that."""
 
     number: int
     text: str

@@ -89,7 +89,7 @@ def entry_to_tem(entry: LibraryEntry) -> TemFile:
 
 def _model(section: Section, cell: Cell) -> str:
     if cell not in (Cell(), Cell("discrete-time")):
-        raise InputError(f"a cell of its own ({cell.model}, output {cell.output}): no .tem header says that")
+        raise InputError(f"a cell of its own ({cell.model}, output {cell.output}): a .tem file has no header for it")
     time = "CT-CNN" if cell == Cell() else "DT-CNN"
     layers = len(section.layers)
     delayed = any(block.delay is not None for layer in section.layers for block in layer.blocks)
@@ -99,11 +99,11 @@ def _model(section: Section, cell: Cell) -> str:
 def _setting(entry: LibraryEntry) -> str:
     boundary, state = _boundary(entry.boundary), entry.initial_state
     if isinstance(state, tuple) or entry.frame_time is not None or entry.step is not None:
-        raise InputError("initial states of layers, a sequence or a step of its own: no .tem header says that")
+        raise InputError("initial states of layers, a sequence or a step of its own: a .tem file has no header for it")
     if state != "given":
         return f"Input:{_role(entry.input)}, IniState:{_role(state)}, Boundary:{boundary}"
     if entry.input != "picture":
-        raise InputError(f"input {entry.input!r} with a second picture as initial state: no .tem header says that")
+        raise InputError(f"input {entry.input!r} with a second picture as state: a .tem file has no header for it")
     return f"Input:P1, IniState:P2, Boundary:{boundary}"
 
 
@@ -115,7 +115,7 @@ def _role(role: Role) -> str:
 def _boundary(boundary: Boundary) -> str:
     if boundary.kind != "fixed":
         if boundary.kind not in _BOUNDARIES:
-            raise InputError(f"boundary {boundary}: no .tem header says that")
+            raise InputError(f"boundary {boundary}: a .tem file has no header for it")
         return _BOUNDARIES[boundary.kind]
     if boundary.y != boundary.u:
         raise InputError(f"boundary {boundary}: a .tem file has one value for state and input")

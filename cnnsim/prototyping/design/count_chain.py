@@ -1,4 +1,4 @@
-"""Count chain: a rule that depends on one weighted count alone, by templates each of which corrects the one before.
+"""Count chain: a rule of one weighted count, as templates of which each corrects the previous one.
 
 Let f change its colour at t_1 < ... < t_n as the count k grows, white first and black last (n odd). The template with
 drive k - (t_1 + t_n) / 2 and the weight (t_n - t_1) / 2 on its initial state g is white below t_1, black above t_n, and

@@ -1,4 +1,4 @@
-"""From a rule to templates: one where a threshold exists, else several, found in four ways; the fewest are taken.
+"""Decompose a rule into templates: one if a threshold exists, else the fewest of four constructions.
 
 * count chain: the rule depends on one weighted count k alone, and changes its colour t times as k grows. One template
   with the negative of the one before as initial state adds two changes: (t + 1) / 2 templates for odd t.
@@ -14,10 +14,8 @@ import numpy as np
 
 from cnnsim.prototyping.design.count_chain import count_chain
 from cnnsim.prototyping.design.design import Design, DesignPart, part_of
-from cnnsim.prototyping.design.linear import Certificate, Norm, Separator
-from cnnsim.prototyping.design.rule import Signs, WindowRule
-from cnnsim.prototyping.design.separable import separable_design, separate_rule
-from cnnsim.prototyping.design.soft_margin import soft_margin_colours
+from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, separate, soft_margin_colours
+from cnnsim.prototyping.design.rule import Signs, WindowRule, window_numbers
 from cnnsim.support import Flags
 
 _TRIES = 12
@@ -107,3 +105,31 @@ def _largest_part(rule: WindowRule, table: Signs, left: Flags, rng: np.random.Ge
         if covered.sum() > best.sum():
             best = covered
     return best
+
+
+def separable_design(rule: WindowRule, norm: Norm = "sum") -> Design | Certificate:
+    """Return the one template for a rule, or the certificate that there is none."""
+    found = separate_rule(rule, rule.table, norm)
+    if isinstance(found, Certificate):
+        return found
+    result = Design(rule, (part_of(found),), "last")
+    assert result.right()
+    return result
+
+
+def separate_rule(rule: WindowRule, table: Signs, norm: Norm = "sum") -> Separator | Certificate:
+    """Separate a table over the rule's rows; the weights share the table's symmetries (turns and mirrors).
+
+    The mean of all turned and mirrored solutions is a solution of the same norm or less, as both are convex.
+    """
+    found = separate(rule.rows, table, norm)
+    if isinstance(found, Certificate):
+        return found
+    count = rule.rows.shape[1]
+    grid = np.arange(9).reshape(3, 3)
+    turned = [np.rot90(flip, k).ravel() for flip in (grid, grid.T) for k in range(4)]
+    places = [np.concatenate([turn, np.arange(9, count)]) for turn in turned]
+    same = [place for place in places if np.array_equal(table[window_numbers(rule.rows[:, place])], table)]
+    weights = tuple(sum((found.weights[place[i]] for place in same), 0 * found.bias) / len(same) for i in range(count))
+    mean = Separator(weights, found.bias)
+    return mean if mean.relative_margin(norm) >= found.relative_margin(norm) else found

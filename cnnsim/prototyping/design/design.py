@@ -1,4 +1,4 @@
-"""Design: templates run one after the other, and the logic function that joins their outputs."""
+"""Design: a sequence of templates, and the logic function that joins their outputs."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from cnnsim.prototyping.design.linear import Certificate, Norm, Separator
 from cnnsim.prototyping.design.rule import Signs, WindowRule
 
 StateSource = Literal["none", "state", "last"]
-"""What the initial state of a template is: of no weight, the user's own plane, or the output of the template before."""
+"""The initial state of a template: without weight, the user's plane, or the output of the previous template."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Design:
     """Templates run one after the other and the logic function that joins their outputs.
 
     ``join`` is "or", "and" or "xor" of the outputs from number ``first`` on, or "last": the output of the last
-    template, into which those before it have gone. ``certificate`` tells why a single template cannot do it.
+    template, which starts from the ones before. ``certificate`` proves that no single template exists.
     """
 
     rule: WindowRule
@@ -105,9 +105,9 @@ class Design:
         return outputs.max(axis=0) if self.join == "or" else outputs.min(axis=0)
 
     def right(self) -> bool:
-        """Return whether the answer is that of the rule wherever the rule says one."""
+        """Return whether the answer is that of the rule on all windows that are black or white."""
         return bool((self.answer() * self.rule.table >= 0).all())
 
     def relative_margin(self, norm: Norm = "sum") -> float:
-        """Return the smallest of its templates' margins, each compared with the norm of its weights."""
+        """Return the smallest margin of the templates, relative to the norm of their weights."""
         return min(part.separator.relative_margin(norm) for part in self.parts)

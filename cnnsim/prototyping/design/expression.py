@@ -30,7 +30,7 @@ _LARGEST = 10**9
 
 
 def parse_rule(text: str) -> WindowRule:
-    """Return the rule that an expression says.
+    """Return the rule of an expression.
 
     Raises:
         InputError: what was found where, and what was wanted.

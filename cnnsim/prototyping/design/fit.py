@@ -1,4 +1,4 @@
-"""Coupled templates from pairs of pictures, by differential evolution over whole runs.
+"""Fit coupled templates to pairs of pictures by differential evolution over whole runs.
 
 Storn and Price, J. Global Optimization 11 (1997) 341, in scipy. Templates from examples by evolution: Kozek, Roska and
 Chua, "Genetic algorithm for CNN template learning", IEEE Trans. CAS-I 40 (1993) 392.
@@ -33,7 +33,7 @@ _DENSE = np.full((3, 3), 0.1)
 
 @dataclass(frozen=True)
 class Fit:
-    """The best template found: ``wrong`` of ``cells`` cells are wrong on the pairs; ``runs`` transients were made."""
+    """The best template: ``wrong`` of ``cells`` cells are wrong on the pairs, after ``runs`` transients."""
 
     template: Template
     initial_state: str | float
@@ -44,8 +44,8 @@ class Fit:
     def _repr_html_(self) -> str:
         from cnnsim.plot.html import heading
 
-        said = f"{self.wrong} of {self.cells} cells wrong after {self.runs} runs, x(0) = {self.initial_state}"
-        return heading("Fit", said) + self.template._repr_html_()
+        text = f"{self.wrong} of {self.cells} cells wrong after {self.runs} runs, x(0) = {self.initial_state}"
+        return heading("Fit", text) + self.template._repr_html_()
 
 
 def fit(
@@ -55,7 +55,7 @@ def fit(
 ) -> Fit:  # fmt: skip
     """Search for a template with neighbours in A that turns every input into its output; the input is the picture.
 
-    Arguments: ``symmetry`` says which entries are one number; ``initial_state`` is "picture" or a constant; entries lie
+    Arguments: ``symmetry``: which entries share a number; ``initial_state`` is "picture" or a constant; entries lie
     within +-``largest``, a from 1 up, so that outputs are black and white; a run is read out after ``limit`` time
     constants at the latest. ``report`` is called after each generation with its number and the best share of wrong
     cells. All pairs of one size run as one batch. The same seed gives the same template.
@@ -87,7 +87,7 @@ def fit(
 
 
 class _Search:
-    """Pairs of pictures in batches of one size, and what a vector of numbers makes of them."""
+    """The error of a parameter vector on pairs of pictures, in batches of one size."""
 
     def __init__(
         self, pairs: Sequence[PicturePair], boundary: Boundary, symmetry: Symmetry, initial_state: str | float,
@@ -116,7 +116,7 @@ class _Search:
         return Template(matrices[0].reshape(3, 3), matrices[1].reshape(3, 3), float(numbers[-1]), self.name)
 
     def wrong(self, numbers: Floats) -> int:
-        """Return how many cells come out wrong."""
+        """Return the number of wrong cells."""
         return sum(int((y * wanted <= 0).sum()) for y, wanted in self._outputs(numbers))
 
     def share_of_wrong(self, numbers: Floats) -> float:
@@ -128,7 +128,7 @@ class _Search:
         return total / self.cells
 
     def shortened(self, numbers: Floats, largest: float) -> Floats:
-        """Return the numbers with as few digits, and as many zeros, as make the pairs no worse."""
+        """Round the numbers to as few digits, and as many zeros, as keep the error."""
         best, value = numbers, self.share_of_wrong(numbers)
         for digits in (3, 2, 1):
             trial = np.clip(np.round(best, digits), -largest, largest)
@@ -154,5 +154,5 @@ class _Search:
                 found.append((np.zeros(wanted.shape), wanted))
                 continue
             y = output(self.backend.read(outcome.x))
-            found.append((y if outcome.settled else 0.5 * y, wanted))  # its colours count, but none of them as final
+            found.append((y if outcome.settled else 0.5 * y, wanted))  # its colours count, but not as final
         return found

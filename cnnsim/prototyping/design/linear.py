@@ -11,7 +11,7 @@ from cnnsim.prototyping.design.rule import Signs, window_numbers
 from cnnsim.support import Flags, Floats, Integers
 
 Norm = Literal["sum", "largest"]
-"""What the margin is compared with: the sum of all |weights| (and |z|), or the largest of them."""
+"""The norm of a relative margin: the sum of all |weights| and |z|, or the largest of them."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Separator:
 
 @dataclass(frozen=True)
 class Certificate:
-    """Why no threshold exists: the same point is a mean of black rows and a mean of white ones.
+    """Proof that no threshold exists: a point that is a mean of black rows and of white rows.
 
     ``black`` and ``white`` hold (share, row number); the shares of each are positive and sum to 1. A plane with all
     black rows on one side would have that point on this side, and on the other (Farkas 1902).
@@ -59,7 +59,7 @@ class Certificate:
 
 
 def separate(rows: Signs, table: Signs, norm: Norm = "sum") -> Separator | Certificate:
-    """Return the weights whose margin is largest compared with their norm, or a certificate that there are none.
+    """Return the weights of largest margin relative to their norm, or a certificate that there are none.
 
     Minimises the norm of (w, z) under d_i (w . v_i + z) >= 1 (Haenggi and Moschytz, IEEE Trans. CAS-I 46 (1999) 304:
     margin / sum|weights| is the relative error that each entry may have). The solution is made rational and its margin
@@ -76,7 +76,7 @@ def separate(rows: Signs, table: Signs, norm: Norm = "sum") -> Separator | Certi
     if norm == "sum":  # w = w+ - w-
         cost, left = np.ones(2 * size), np.hstack([-signed, signed])
         right, bounds = -np.ones(len(known)), [(0, None)] * (2 * size)
-    else:  # minimise t with |w| <= t; a little of the sum keeps weights that do nothing at zero
+    else:  # minimise t with |w| <= t; a small part of the sum keeps useless weights at zero
         cost = np.concatenate([np.full(2 * size, 1e-4), [1.0]])
         box = np.hstack([np.eye(size), np.eye(size), -np.ones((size, 1))])
         left = np.vstack([np.hstack([-signed, signed, np.zeros((len(known), 1))]), box])
@@ -166,3 +166,29 @@ def _relevant(rows: Signs, table: Signs) -> tuple[Integers, Flags]:
 
 def _mean(parts: Sequence[tuple[Fraction, int]], rows: Signs) -> list[Any]:
     return [sum((share * int(rows[i, j]) for share, i in parts), Fraction(0)) for j in range(rows.shape[1])]
+
+
+def soft_margin_colours(rows: Signs, table: Signs, weights: Floats, hard: int = 0) -> Signs | None:
+    """Return the colours (n,) of a threshold that minimises the weighted sum of its shortfalls on a table.
+
+    minimise sum c_i e_i under d_i (w . v_i + z) >= 1 - e_i, e_i >= 0 (Cortes and Vapnik, "Support-vector networks",
+    Machine Learning 20 (1995) 273, without the norm); rows of the colour ``hard`` must have e_i = 0. None if a sum
+    comes out too near to zero to have a colour.
+    """
+    from scipy.optimize import linprog
+    from scipy.sparse import csr_array, diags_array, hstack
+
+    known = np.flatnonzero(table)
+    size = rows.shape[1] + 1
+    signed = np.column_stack([rows[known], np.ones(len(known))]) * table[known, None].astype(float)
+    free = np.where(table[known] == hard, 0.0, 1.0)
+    left = hstack([csr_array(-signed), diags_array(-free)])
+    cost = np.concatenate([np.zeros(size), weights[known] * free])
+    bounds = [(-100.0, 100.0)] * size + [(0.0, None)] * len(known)
+    found = linprog(cost, A_ub=left, b_ub=-np.ones(len(known)), bounds=bounds, method="highs")
+    if found.status != 0:
+        return None
+    drive = rows @ found.x[: size - 1] + found.x[size - 1]
+    if np.abs(drive).min() < 1e-6:
+        return None
+    return np.where(drive > 0, 1, -1).astype(np.int8)

@@ -1,4 +1,4 @@
-"""Designs a template, writes and checks it, and reports on it: facts for a machine and lines for people."""
+"""Design a template, write it, check it and report: facts as JSON and lines of text."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -44,7 +44,7 @@ def designed(
     program = None if found.one_template else paths[-1]
     wrong = wrong_windows(found, program)
     if wrong:
-        raise ArithmeticError(f"{len(wrong)} windows come out wrong, the first {window_text(rule.rows[wrong[0]])}")
+        raise ArithmeticError(f"{len(wrong)} windows are wrong, the first {window_text(rule.rows[wrong[0]])}")
     return _facts(found, name, paths, norm), _lines(found, name, paths, norm)
 
 

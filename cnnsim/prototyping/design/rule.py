@@ -37,7 +37,7 @@ class WindowRule:
         if self.table.shape not in ((512,), (1024,)) or not np.isin(self.table, (-1, 0, 1)).all():
             raise InputError(f"a truth table of shape {self.table.shape}; 512 or 1024 entries -1, 0, +1 wanted")
         if not self.table.any():
-            raise InputError(f"{self.text}: no window is said to be black or white")
+            raise InputError(f"{self.text}: no window is black or white; one at least wanted")
 
     @property
     def with_state(self) -> bool:
@@ -75,7 +75,7 @@ class WindowRule:
         return code
 
     def answer(self, picture: Floats, boundary: Boundary, state: Floats | None = None) -> Floats:
-        """Return what the rule wants of a picture (rows, cols): +1, -1, or 0 where it leaves the answer open."""
+        """Return the outputs of a picture (rows, cols) by the rule: +1, -1, or 0 if either will do."""
         return self.table[self.codes(picture, boundary, state)].astype(np.float64)
 
 

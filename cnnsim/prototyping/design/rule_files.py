@@ -56,7 +56,7 @@ def _table(data: dict[str, Any], faults: ErrorList) -> NDArray[np.int8]:
                 match = _matches(rows, window)
                 if (table[match] == -colour).any():
                     both = rows[match][table[match] == -colour][0]
-                    raise InputError(f"window {window_text(both)} is said to be black and to be white")
+                    raise InputError(f"window {window_text(both)} is in both lists, black and white; one wanted")
                 table[match] = colour
     default = data.get("default", "either")
     with faults.collecting(), located(data, "default"):

@@ -1,4 +1,4 @@
-"""Disturbs a template as a chip would: relative errors of its entries, entries of few bits."""
+"""Templates with the errors of a chip: relative errors of the entries, and entries of few bits."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -20,7 +20,7 @@ _GREY = 0.1
 
 
 class ErrorRate(Protocol):
-    """The share of cells that are wrong; ``what`` says of which cells."""
+    """The share of wrong cells; ``what`` names the cells."""
 
     what: str
 
@@ -130,7 +130,7 @@ class _Examples:
     """Whole runs on examples, most often the template's own.
 
     Black and white is compared with the example, grey with what the undisturbed template makes of it: the tolerance of
-    a grey example says how far theory leaves the answer open, not what an error may do to it.
+    a grey example has the tolerance of theory, not the effect of an error.
     """
 
     def __init__(self, entry: LibraryEntry, examples: Sequence[Example], whose: str) -> None:

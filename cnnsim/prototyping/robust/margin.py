@@ -12,7 +12,7 @@ from cnnsim.theory.neighbourhood import DIGITS, pairs_of, too_many, weighted_sum
 
 @dataclass(frozen=True)
 class Margin:
-    """What the worst decision has to spare. ``value`` is None where a margin does not apply; ``why`` says so.
+    """The margin of the worst decision. ``value`` is None if no margin applies; ``why`` gives the reason.
 
     ``tolerated`` is the relative error epsilon of A, B and z, each entry free on its own, below which every cell still
     takes the right colour: exact for templates without neighbours (``exact``), at least that for others.

@@ -1,13 +1,15 @@
-"""What was found out on the robustness of a template: its curves, in words and drawn."""
+"""Result of a robustness measurement: curves of the share of wrong cells over the errors, as text and as a plot."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from io import BytesIO
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from cnnsim.plot.figures import given_or_new
 from cnnsim.prototyping.robust.margin import Margin
 from cnnsim.support import InputError
+from cnnsim.support.files import writing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +33,7 @@ class Curve:
 
 @dataclass(frozen=True, repr=False)
 class Robustness:
-    """All that `robust.measure` finds out; ``judged_on`` says what the shares are shares of."""
+    """The result of `robust.measure`; ``judged_on``: the cells of which the shares are taken."""
 
     name: str
     margin: Margin
@@ -140,3 +142,13 @@ def _draw(axes: Any, curve: Curve, scale: float, label: str, draws: int | None) 
     axes.set_xlabel(label)
     axes.set_ylim(0, max(5.0, 1.08 * max(worst)))
     axes.grid(alpha=0.3)
+
+
+def draw_robustness(found: Robustness, path: str | Path) -> None:
+    """Write the three curves; the format follows the name's ending.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    with writing(path) as beside:
+        found.figure().savefig(beside, dpi=120)

@@ -1,4 +1,4 @@
-"""Robustness of a template: the share of wrong cells against errors of entries, bits, and noise on the input."""
+"""Measure the robustness of a template: the share of wrong cells over errors of entries, bits of entries and noise."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -15,13 +15,13 @@ BITS = tuple(range(3, 13))
 NOISES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 
 Track = Callable[[Iterable[tuple[str, float]]], Iterable[tuple[str, float]]]
-"""Goes through the levels one by one and may show how far it is."""
+"""Iterates over the levels and may report the progress."""
 
 
 def measure(
     entry: LibraryEntry, *, draws: int = 40, seed: int = 0, track: Track = iter, shown: Sequence[Example] = ()
 ) -> Robustness:
-    """Measure how a library template stands errors; the same seed gives the same numbers.
+    """Measure the robustness of a library template; the same seed gives the same numbers.
 
     Templates without neighbours, from black and white, are measured on all their neighbourhoods, others by whole runs
     on their own examples; all on what is ``shown`` to them (see `error_rate.shown_to`), if something is.

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cnnsim import fixed, library
+from cnnsim.prototyping.design.decompose import separable_design
 from cnnsim.prototyping.design.design import Design
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.fit import fit
 from cnnsim.prototyping.design.linear import Certificate, Norm, Separator, separate
 from cnnsim.prototyping.design.rule import WindowRule, windows
-from cnnsim.prototyping.design.separable import separable_design
 from cnnsim.prototyping.design.verify import wrong_windows
 from cnnsim.transient import run_transient
 from tests.kits.design import rule_of

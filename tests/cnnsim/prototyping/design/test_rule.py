@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cnnsim import fixed, library
+from cnnsim.prototyping.design.decompose import separable_design
 from cnnsim.prototyping.design.expression import parse_rule
 from cnnsim.prototyping.design.rule import NAMES
 from cnnsim.prototyping.design.rule_files import read_table, rule_of_pairs
-from cnnsim.prototyping.design.separable import separable_design
 from cnnsim.support import InputError
 from tests.kits.design import rule_of
 from tests.oracles.pictures import plane
@@ -79,7 +79,10 @@ def test_a_truth_table_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('black = [["###", "###", "###"]]\nwhite = [["?#?", "???", "???"]]', "###/###/### is said to be black and"),
+        (
+            'black = [["###", "###", "###"]]\nwhite = [["?#?", "???", "???"]]',
+            "###/###/### is in both lists, black",
+        ),
         ('black = [["##", "###", "###"]]', "three strings"),
         ('black = [["##x", "###", "###"]]', "holds 'x'"),
         ("blak = []", "unknown key 'blak'"),
