@@ -36,6 +36,8 @@ _TWO_RUNS = 1.5
 _ROUNDINGS = 4.0
 """By which the start of each run is changed, so that the difference of two runs has the growth of rounding errors."""
 
+_STEP_ERROR, _MORE_RUNS = 1e-5, 4
+"""Changes of the start, about the error of the last steps, and runs that find the cells whose signs depend on them."""
 _STATES = 16
 """Of a corrected run, that are compared on the way."""
 _APART = 0.4
@@ -72,11 +74,12 @@ def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> S
         together = largest(plan.output(path) - plan.output(before)) <= _APART
         differences.append(largest(difference))
         floor = _ROUNDINGS * float(np.finfo(where.dtype).eps) * max(1.0, largest(path))
-        stalled = len(differences) > 3 and differences[-1] > 0.5 * differences[-4]
+        back = 3 if tolerance.signs else 4
+        stalled = len(differences) >= back and differences[-1] > 0.5 * differences[-back]
         predicted = error / ratio ** (4 if corrected else 3) if len(counts) > 2 else differences[-1] * _TWO_RUNS
         error = max(floor, differences[-1], predicted)
         order = 3.0 if corrected else _order(differences, ratio)
-        undecided = problem.free(~(np.abs(plan.output(end)) > 2 * difference + 0.6 * error))
+        undecided = problem.free(~(np.abs(plan.output(end)) > 2 * difference + min(0.6 * error, tolerance.error)))
         done = together and error <= tolerance.error and not (tolerance.signs and undecided.any())
         most = MOST_RUNS_FOR_SIGNS if tolerance.signs else MOST_RUNS
         if done or stalled or len(counts) >= most or (error <= 2 * floor and not tolerance.signs):
@@ -87,6 +90,11 @@ def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> S
         ratio = _next_ratio(differences[-1], ratio, order, aim)
         ratio = 2.0 ** math.ceil(math.log2(ratio) - 1e-9) if problem.timed else ratio
         before = path
+    if tolerance.signs and not done:  # near a separatrix the errors of the steps decide as well
+        size = _STEP_ERROR / float(np.finfo(where.dtype).eps)
+        for seed in range(_MORE_RUNS):
+            other = run(problem.perturbed(where, size, 100 + seed), counts[1])[-1]
+            undecided |= problem.free((plan.output(other) > 0) != (plan.output(end) > 0))
     name = f"{scheme.name} with corrected kinks" if corrected else scheme.name
     steps = ", ".join(f"{duration / n:.3g}" for n in counts)
     how = f"{name} by steps of {steps}; the last two runs differ by {differences[-1]:.2g}"
