@@ -1,9 +1,10 @@
-"""Programs that tests start as users do; they end with the tests, also where those are killed."""
+"""Programs run as child processes, which end with the test process, and waiting for a condition."""
 
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -11,23 +12,23 @@ END_WITH_PARENT = """
 import ctypes, os, signal, sys
 if sys.platform == "linux":
     ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
-    os.getppid() == {parent} or os._exit(1)  # it died before that
+    os.getppid() == {parent} or os._exit(1)  # the parent has already died
 """
 
 
 def code_line(code: str) -> list[str]:
-    """The command that runs Python code until its end or that of the process that starts it."""
+    """Return the command that runs Python code, and is killed when the calling process ends."""
     return [sys.executable, "-c", END_WITH_PARENT.format(parent=os.getpid()) + code]
 
 
 def command_line(program: str, *arguments: Any) -> list[str]:
-    """The command that runs ``cnnsim`` or ``tactile`` so."""
+    """Return the command that runs ``cnnsim`` or ``tactile`` in the same way."""
     return [*code_line(f"from {program}.cli.start import main; main()"), *(str(argument) for argument in arguments)]
 
 
 @contextmanager
 def ended(process: "subprocess.Popen[str]") -> "Iterator[subprocess.Popen[str]]":
-    """A process that has ended when the block has, whatever happens there."""
+    """Kill a process at the end of the block if it still runs."""
     with process:
         try:
             yield process
@@ -37,8 +38,16 @@ def ended(process: "subprocess.Popen[str]") -> "Iterator[subprocess.Popen[str]]"
 
 
 def start(*arguments: Any) -> "subprocess.Popen[str]":
-    """Start a command of `tactile` beside the test."""
+    """Start a command of `tactile` in the background."""
     return subprocess.Popen(
         command_line("tactile", *arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         stdin=subprocess.DEVNULL, text=True,
     )  # fmt: skip
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 20.0) -> None:
+    """Wait until a condition holds, and fail after some seconds."""
+    until = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.01)

@@ -1,4 +1,4 @@
-"""What the tests of ports share: a device on a pseudo-terminal in a thread, and scenes for it."""
+"""Emulated devices on a pseudo-terminal in a thread, and scenes and packets for them."""
 
 import json
 import threading
@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from click.testing import CliRunner, Result
 
 from tactile.cli.group import main
@@ -23,13 +24,20 @@ GRIP = SCENES / "grip.toml"
 
 
 def grip(seconds: float, fingers: int = 2) -> Scene:
-    """The first seconds of the grip, with its loads at once."""
+    """Return the first seconds of the grip scene, with its loads 0.4 s earlier."""
     scene = read_scene(GRIP)
     early = [replace(load, path=load.path - [0.4, 0, 0, 0, 0, 0]) for load in scene.loads]
     return replace(scene, duration=seconds, arrays=scene.arrays[:fingers], loads=tuple(early[:fingers]))
 
 
+def later(scene: Scene, seconds: float) -> Scene:
+    """Return the scene with its loads shifted in time."""
+    shift = np.array([seconds, 0, 0, 0, 0, 0])
+    return replace(scene, loads=tuple(replace(load, path=load.path + shift) for load in scene.loads))
+
+
 def sent(protocol: str, seconds: float = 0.5) -> tuple[Description, list[TimedPacket]]:
+    """Return the array description and the timed packets of the grip in a protocol."""
     scene = grip(seconds, 1 if protocol == "paxini-serial" else 2)
     description = emulated_description(protocol, scene)
     return description, list(packets(description, scene))
@@ -37,7 +45,7 @@ def sent(protocol: str, seconds: float = 0.5) -> tuple[Description, list[TimedPa
 
 @contextmanager
 def device(stream: Iterable[TimedPacket], faults: Faults | None = None, **more: Any) -> Iterator[Emulator]:
-    """A device that is plugged in while the block runs."""
+    """Run an emulated device during the block."""
     emulator, stop = Emulator(faults, **more), threading.Event()
     thread = threading.Thread(target=emulator.run, args=(stream, stop))
     thread.start()
@@ -53,7 +61,7 @@ def call(*arguments: Any, text: str = "") -> Result:
 
 
 def lines(text: str, kind: str) -> list[str]:
-    """Return the lines of JSON of one type."""
+    """Return the lines of JSON with this type."""
     return [line for line in text.splitlines() if json.loads(line)["type"] == kind]
 
 

@@ -1,7 +1,5 @@
-"""Recordings: what is written is read, also when the writer is cut short, and other forms of them."""
+"""Recordings: round trip, other MCAP readers, truncated files, ring overflow."""
 
-import errno
-import os
 import random
 import time
 from collections.abc import Callable, Iterator
@@ -25,13 +23,13 @@ from tactile.serial.ring import Ring
 from tactile.serial.session import Session
 from tactile.wire.description import Description
 from tactile.wire.source import UNPLUGGED, Chunk, WireSource
-from tests.kits.serial import call, device, sent
+from tests.kits.serial import device, sent
 
 TARED = {"type": "tare", "t_s": 0.25, "finger": "left", "taken": True, "why": "idle", "offset": [1.0, None, 2.0]}
 
 
 def recorded(path: Path, protocol: str = "native", seconds: float = 0.5, close: bool = True) -> Description:
-    """Record a device's packets, a note, a tare and the frames, as a session would."""
+    """Record a device's packets, an unplug note, a tare and the frames."""
     description, stream = sent(protocol, seconds)
     recording = Recording(path, description, {"port": "here"}, Epoch.now())
 
@@ -67,7 +65,7 @@ def same(got: list[Frame], wanted: list[Frame]) -> None:
 
 
 @pytest.mark.parametrize("protocol", ["native", "reskin"])
-def test_what_is_recorded_is_read(tmp_path: Path, protocol: str) -> None:
+def test_a_recording_round_trips(tmp_path: Path, protocol: str) -> None:
     description = recorded(tmp_path / "r.mcap", protocol)
     again = open_recording(tmp_path / "r.mcap")
     stream = sent(protocol)[1]
@@ -86,12 +84,12 @@ def test_what_is_recorded_is_read(tmp_path: Path, protocol: str) -> None:
     assert again.made["port"] == "here"
     (note,) = again.notes("/tare")
     assert note == TARED
-    said = [(line["level"], line["name"], line["message"]) for line in again.notes("/log")]
-    assert said == [(3, "port", "unplugged"), (2, "left", "tare taken, idle")]
+    log = [(line["level"], line["name"], line["message"]) for line in again.notes("/log")]
+    assert log == [(3, "port", "unplugged"), (2, "left", "tare taken, idle")]
 
 
-def test_any_mcap_reader_opens_it(tmp_path: Path) -> None:
-    """The library's own seeking reader, and the ROS 2 tools' idea of the message definitions."""
+def test_the_mcap_library_and_ros_types_read_it(tmp_path: Path) -> None:
+    """The MCAP library's indexed reader and ROS 2 message definitions give the same frames and bytes."""
     recorded(tmp_path / "r.mcap")
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(schema.FRAME, schema.FRAME_NAME))
@@ -108,19 +106,19 @@ def test_any_mcap_reader_opens_it(tmp_path: Path) -> None:
         assert (got.t, got.sequence, got.finger, got.rows, got.cols) == (frame.t, frame.sequence, 0, 2, 2)
         assert np.array_equal(got.values.reshape(2, 2, 3), frame.values)
         assert got.valid.tolist() == [1, 1, 1, 1]
-    sent_on = [message.data for _, channel, message in messages if channel.topic == "/wire"]
-    wire: list[Any] = [store.deserialize_cdr(data, schema.WIRE_NAME) for data in sent_on]
+    wire_data = [message.data for _, channel, message in messages if channel.topic == "/wire"]
+    wire: list[Any] = [store.deserialize_cdr(data, schema.WIRE_NAME) for data in wire_data]
     assert b"".join(bytes(one.data) for one in wire) == b"".join(data for _, data in sent("native")[1])
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 3), (1, 5), (3, 3)])
-def test_frames_of_every_alignment_survive(shape: tuple[int, int]) -> None:
+def test_frames_of_every_alignment_round_trip(shape: tuple[int, int]) -> None:
     rng = np.random.default_rng(0)
     frame = Frame(3, 1.5, -7, rng.standard_normal((*shape, 3)), rng.random(shape) < 0.5, float("nan"))
     same([schema.unpack_frame(schema.pack_frame(frame))], [frame])
 
 
-def test_a_recording_cut_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
+def test_a_truncated_recording_is_read_up_to_the_cut(tmp_path: Path) -> None:
     recorded(tmp_path / "r.mcap", seconds=0.1, close=False)
     whole = (tmp_path / "r.mcap").read_bytes()
     frames = list(open_recording(tmp_path / "r.mcap").stored_frames())
@@ -144,47 +142,7 @@ def test_a_recording_cut_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
         list(records(tmp_path / "none.mcap"))
 
 
-def test_a_full_disk_ends_the_recording_with_a_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The disk takes 20 000 bytes and then, as disks do, a part of the next piece."""
-    write, left = os.write, [20_000]
-
-    def full(file: int, data: bytes) -> int:
-        if left[0] <= 0:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        done = write(file, data[: left[0]])
-        left[0] -= done
-        return done
-
-    monkeypatch.setattr("tactile.recording.durable.os.write", full)
-    recorded(tmp_path / "r.mcap")
-    monkeypatch.undo()
-    again = open_recording(tmp_path / "r.mcap")
-    assert not again.complete
-    frames = list(again.stored_frames())
-    assert 20 < len(frames) < 200
-    assert 15_000 < (tmp_path / "r.mcap").stat().st_size <= 20_000
-
-
-def test_a_full_disk_stops_the_session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(file: int, data: bytes) -> int:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    description, stream = sent("native", 0.4)
-    with device(stream) as emulator:
-        session = Session(emulator.port, description, into(tmp_path / "r.mcap", description), seconds=20)
-        assert session.recording is not None
-        monkeypatch.setattr("tactile.recording.durable.os.write", full)
-        assert sum(1 for _ in session.source) < 200  # it ends by itself, and early
-        session.recording.close({})
-        monkeypatch.undo()
-    assert session.recording.ended.startswith(f"recording {tmp_path / 'r.mcap'} ended: No space left on device; what")
-    result = call("record", "-p", emulator.port, "-a", tmp_path / "none.toml", "-o", tmp_path / "x.mcap")
-    assert result.exit_code == 2
-    with pytest.raises(InputError, match="cannot write the recording"):
-        into(tmp_path / "no" / "r.mcap", description)(Epoch.now())
-
-
-def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bytes_that_overflow_the_ring_are_still_recorded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     description, stream = sent("native", 0.5)
     monkeypatch.setattr("tactile.serial.session.Ring", lambda: Ring(3000))
     with device(stream) as emulator:
@@ -193,7 +151,7 @@ def test_bytes_without_room_are_recorded_apart(tmp_path: Path, monkeypatch: pyte
         live = [next(frames)]
         until = time.monotonic() + 20
         while session.counts.overflowed == 0 and time.monotonic() < until:
-            time.sleep(0.01)  # nobody takes frames, so the ring fills
+            time.sleep(0.01)  # frames are not consumed, so the ring fills
         session.stop()
         live += frames
         assert session.recording is not None

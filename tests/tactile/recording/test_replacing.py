@@ -1,8 +1,7 @@
-"""Nothing that is there is lost: recordings, links and descriptions are made new, or replaced on request and whole."""
+"""Existing files are not overwritten without --replace, and are replaced only when the new file is complete."""
 
 import os
 import signal
-import time
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from click.testing import Result
 from tactile.recording.reader import open_recording
 from tactile.serial.emulator import Emulator
 from tactile.wire.packets import packets
-from tests.kits.processes import start
+from tests.kits.processes import start, wait_until
 from tests.kits.serial import GRIP, call, device, grip, sent, write_array
 from tests.tactile.recording.test_reader import recorded
 
@@ -34,13 +33,15 @@ def kept(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(("command", "option"), [("record", "-o"), ("live", "--record")])
-def test_a_recording_is_not_lost_to_another(tmp_path: Path, kept: Path, command: str, option: str) -> None:
+def test_an_existing_recording_is_replaced_only_on_request(
+    tmp_path: Path, kept: Path, command: str, option: str
+) -> None:
     before = kept.read_bytes()
     description, stream = sent("native", 0.2)
     array = write_array(tmp_path, description.text)
     with device(stream) as emulator:
         refused(call(command, "-p", emulator.port, "-a", array, option, kept), TAKEN, kept, before)
-    for more in ((), ("--replace",)):  # a port that does not open
+    for more in ((), ("--replace",)):  # the port cannot be opened
         result = call(command, "-p", tmp_path / "none", "-a", array, option, kept, *more)
         refused(result, "there is no such port" if more else TAKEN, kept, before)
     new = tmp_path / "new.mcap"
@@ -54,8 +55,10 @@ def test_a_recording_is_not_lost_to_another(tmp_path: Path, kept: Path, command:
     assert [other.name for other in tmp_path.iterdir() if other.name.startswith(".")] == []
 
 
-def test_what_cannot_begin_leaves_the_old_one(tmp_path: Path, kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A disk on which not even the head finds room."""
+def test_a_recording_that_cannot_start_leaves_the_old_file(
+    tmp_path: Path, kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk is full before the header is written."""
     before = kept.read_bytes()
     description, stream = sent("native", 0.2)
     array = write_array(tmp_path, description.text)
@@ -72,14 +75,14 @@ def test_what_cannot_begin_leaves_the_old_one(tmp_path: Path, kept: Path, monkey
         assert not (tmp_path / "new.mcap").exists()
 
 
-def test_a_running_recording_and_one_that_is_sent_are_locked(tmp_path: Path, kept: Path) -> None:
+def test_recordings_in_use_are_locked(tmp_path: Path, kept: Path) -> None:
     description, _ = sent("native", 0.1)
     array, running, link = write_array(tmp_path, description.text), tmp_path / "running.mcap", tmp_path / "skin"
     with device(packets(description, grip(4.0), loop=True)) as emulator:
         recorder = start("record", "-p", emulator.port, "-a", array, "-o", running)
         try:
-            wait(lambda: running.exists() and running.stat().st_size > 20_000)
-            os.kill(recorder.pid, signal.SIGSTOP)  # so that the file stays as it is
+            wait_until(lambda: running.exists() and running.stat().st_size > 20_000)
+            os.kill(recorder.pid, signal.SIGSTOP)  # the file no longer changes
             before = running.read_bytes()
             refused(call("convert", kept, running, "--replace"), IN_USE, running, before)
             with device([]) as other:
@@ -93,21 +96,14 @@ def test_a_running_recording_and_one_that_is_sent_are_locked(tmp_path: Path, kep
     before = kept.read_bytes()
     sender = start("emulate", "--recording", kept, "--link", link)
     try:
-        wait(lambda: link.is_symlink())
+        wait_until(link.is_symlink)
         refused(call("record", "-p", link, "-a", array, "-o", kept, "--replace"), IN_USE, kept, before)
     finally:
         sender.kill()
         sender.communicate()
 
 
-def wait(happened: Any) -> None:
-    until = time.monotonic() + 20
-    while not happened():
-        assert time.monotonic() < until
-        time.sleep(0.01)
-
-
-def test_a_link_replaces_only_what_an_emulator_left(tmp_path: Path) -> None:
+def test_a_link_replaces_only_a_stale_link_of_an_emulator(tmp_path: Path) -> None:
     taken = "there is something of that name; another name wanted"
     notes, folder = tmp_path / "notes.txt", tmp_path / "folder"
     notes.write_text("mine")
@@ -120,18 +116,18 @@ def test_a_link_replaces_only_what_an_emulator_left(tmp_path: Path) -> None:
         assert (result.exit_code, taken in result.stderr) == (2, True), result.output
         assert not (tmp_path / "a.toml").exists()
     assert (notes.read_text(), folder.is_dir(), pointer.readlink()) == ("mine", True, notes)
-    left = tmp_path / "left"
-    left.symlink_to("/dev/pts/none-any-more")
-    first = Emulator(link=left)
+    stale = tmp_path / "left"
+    stale.symlink_to("/dev/pts/none-any-more")
+    first = Emulator(link=stale)
     with pytest.raises(Exception, match=taken):
-        Emulator(link=left)  # of one that runs
-    left.unlink()
-    left.write_text("somebody's since")
+        Emulator(link=stale)  # the first one still runs
+    stale.unlink()
+    stale.write_text("a newer file")
     first.pull()
-    assert left.read_text() == "somebody's since"
+    assert stale.read_text() == "a newer file"
 
 
-def test_a_description_is_not_written_over_another_file(tmp_path: Path) -> None:
+def test_a_description_does_not_overwrite_another_file(tmp_path: Path) -> None:
     array, link = tmp_path / "a.toml", tmp_path / "skin"
     array.write_text("mine")
     result = call("emulate", "--protocol", "native", "--scene", GRIP, "--link", link, "--write-array", array)
@@ -139,16 +135,16 @@ def test_a_description_is_not_written_over_another_file(tmp_path: Path) -> None:
     assert array.read_text() == "mine"
     assert not os.path.lexists(link)
     array.unlink()
-    for _ in range(2):  # the second time it says the same already
+    for _ in range(2):  # the second time the file has the same content
         emulator = start("emulate", "--protocol", "csv", "--scene", GRIP, "--link", link, "--write-array", array)
-        wait(lambda: os.path.lexists(link))  # from here on it ends in good order
+        wait_until(lambda: os.path.lexists(link))  # the signal handler is installed
         emulator.send_signal(signal.SIGTERM)
         assert "sent 0 packets" in emulator.communicate(timeout=20)[1]
         assert not os.path.lexists(link)
         assert "csv" in array.read_text()
 
 
-def test_conversions_leave_what_is_there_and_nothing_half_done(
+def test_conversions_do_not_overwrite_and_leave_no_partial_file(
     tmp_path: Path, kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("r.csv", "r.npz", "r.parquet", "r.mcap"):

@@ -1,4 +1,4 @@
-"""Recordings in CSV and NPZ: exact round trips, broken files named with their line."""
+"""CSV and NPZ recordings: exact round trips, and errors with file and line."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ def same(a: Frame, b: Frame) -> bool:
 
 
 def mixed() -> FrameStream:
-    """Fingers of different sizes and quantities, a device clock, hard numbers and an invalid taxel."""
+    """Fingers of different sizes and quantities, a device clock, extreme values and an invalid taxel."""
     random = np.random.default_rng(0)
     arrays = (
         TaxelArray("left-_1", 1, 2, 1.5e-3, 0.1 + 0.2, (1 / 3, -2e-3), thickness=1 / 3),
@@ -62,7 +62,7 @@ def test_csv_round_trip_is_exact(tmp_path: Path, make: Callable[[], Source]) -> 
 
 
 def broken(tmp_path: Path, number: int, change: Callable[[str], str]) -> Path:
-    """A recording with one line changed: 1 to 11 are the header, 12 the column names, 13 the first frame."""
+    """A recording with one changed line: lines 1 to 11 are the header, 12 the column names, 13 the first frame."""
     path = tmp_path / "r.csv"
     write_csv(path, scene_from(parsed(), "here"))
     lines = path.read_text().splitlines()
@@ -99,12 +99,14 @@ def test_broken_csv_names_file_and_line(
     assert "r.csv" in str(caught.value)
 
 
-def test_flags_may_be_missing_from_a_table_of_one_s_own(tmp_path: Path) -> None:
+def test_the_flags_column_is_optional(tmp_path: Path) -> None:
     path = broken(tmp_path, 1, str)
     lines = path.read_text(encoding="utf-8").splitlines()
-    kept = [line if line.startswith("#") else ",".join(line.split(",")[:4] + line.split(",")[5:]) for line in lines]
+    without_flags = [
+        line if line.startswith("#") else ",".join(line.split(",")[:4] + line.split(",")[5:]) for line in lines
+    ]
     with_flags = [frame.values for frame in read_csv(path)]
-    path.write_text("\n".join(kept), encoding="utf-8")
+    path.write_text("\n".join(without_flags), encoding="utf-8")
     assert np.array_equal(with_flags, [frame.values for frame in read_csv(path)])
 
 
@@ -114,7 +116,7 @@ def test_empty_and_nan_cells_are_invalid_taxels(tmp_path: Path) -> None:
     assert frame.valid.tolist() == [[False, True, True], [True, True, False]]
 
 
-def test_csv_without_frames_or_file(tmp_path: Path) -> None:
+def test_missing_frames_missing_file_and_unknown_suffix_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "r.csv"
     write_csv(path, scene_from(parsed(), "here"))
     path.write_text("\n".join(path.read_text().splitlines()[:12]))
@@ -129,7 +131,7 @@ def test_csv_without_frames_or_file(tmp_path: Path) -> None:
 
 @dataclass
 class Pillars:
-    """Arrays of a recording, to be spoiled."""
+    """The arrays of an NPZ recording, which a test may change."""
 
     arrays: dict[str, Any]
 
@@ -147,7 +149,7 @@ def pillars(sensors: tuple[int, ...] = (0, 1), length: int = 5) -> Pillars:
     return Pillars(arrays)
 
 
-def test_npz_merges_sensors_in_time(tmp_path: Path) -> None:
+def test_npz_merges_sensors_by_time(tmp_path: Path) -> None:
     source = read_npz(pillars().save(tmp_path / "run.npz"))
     frames = list(source)
     assert (source.title, source.frames, source.modulus) == ("run", 10, None)
@@ -172,12 +174,12 @@ def test_npz_merges_sensors_in_time(tmp_path: Path) -> None:
     ],
 )
 def test_wrong_npz_is_refused(tmp_path: Path, name: str, value: Any, message: str) -> None:
-    spoiled = pillars()
-    spoiled.arrays[name] = value
+    changed = pillars()
+    changed.arrays[name] = value
     if value is None:
-        del spoiled.arrays[name]
+        del changed.arrays[name]
     with pytest.raises(InputError, match=message):
-        read_npz(spoiled.save(tmp_path / "r.npz"))
+        read_npz(changed.save(tmp_path / "r.npz"))
 
 
 def test_npz_of_something_else_is_refused(tmp_path: Path) -> None:
@@ -191,7 +193,7 @@ def test_npz_of_something_else_is_refused(tmp_path: Path) -> None:
         read_npz(tmp_path / "cut.npz")
 
 
-@pytest.mark.skipif(not RECORDINGS, reason="the recordings of shared/data/papillarray are not here")
+@pytest.mark.skipif(not RECORDINGS, reason="the papillarray recordings are not available")
 def test_real_recordings() -> None:
     for path in RECORDINGS[:2] + RECORDINGS[-2:]:
         source = open_source(path)
@@ -203,7 +205,7 @@ def test_real_recordings() -> None:
         assert (np.diff(times) >= 0).all()
         assert 3 < times[-1] < 60
         assert all(frame.valid.all() for frame in frames)
-        with np.load(path) as file:  # pillar forces sum to the global force: pressed is positive
+        with np.load(path) as file:  # the pillar forces sum to the global force; pressure is positive
             first = [frame for frame in frames if frame.finger == 0]
             total = np.array([frame.values.sum((0, 1)) for frame in first])
             near = np.abs(total - file["s0_global"][:, :3]).max(1) < 0.05
@@ -211,7 +213,7 @@ def test_real_recordings() -> None:
         assert total[:, 2].max() > 1
 
 
-def test_a_folder_that_is_no_bag_is_called_a_folder(tmp_path: Path) -> None:
+def test_a_folder_that_is_no_ros_bag_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "scene.toml"
     folder.mkdir()
     with pytest.raises(InputError, match=r"scene\.toml: a folder, and no ROS bag \(no metadata\.yaml in it\)"):

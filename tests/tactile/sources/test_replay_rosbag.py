@@ -1,4 +1,4 @@
-"""ROS bags of PapillArray sensors as sources of frames."""
+"""ROS 1 and ROS 2 bags of PapillArray sensors."""
 
 import json
 from pathlib import Path
@@ -23,18 +23,18 @@ STAMPED = (
 STATE = "int64 tus\nsensor_interfaces/PillarState[] pillars\n"
 
 
-def test_headers_and_flags_of_a_bag_are_kept(tmp_path: Path) -> None:
-    """ROS 1: the header's own sequence number and stamp count, though the messages came late and out of order."""
+def test_ros_1_headers_and_flags_are_kept(tmp_path: Path) -> None:
+    """Sequence number and time come from the message header, also for late messages in wrong order."""
     store = get_typestore(Stores.ROS1_NOETIC)
     kinds = {"papillarray_ros_v2/msg/PillarState": PILLAR, "papillarray_ros_v2/msg/SensorState": STAMPED}
     for kind, text in kinds.items():
         store.register(get_types_from_msg(text, kind))
     pillar, state = (store.types[kind] for kind in kinds)
     header, time = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
-    told = [(7, 100, 1, True, False, False), (9, 104, 2, True, True, False), (3, 102, 3, False, True, True)]
+    messages = [(7, 100, 1, True, False, False), (9, 104, 2, True, True, False), (3, 102, 3, False, True, True)]
     with BagWriter(tmp_path / "a.bag") as bag:
         topics = [bag.add_connection(f"/s{n}", "papillarray_ros_v2/msg/SensorState", typestore=store) for n in (0, 1)]
-        for n, (seq, ms, tus, *flags) in enumerate(told):
+        for n, (seq, ms, tus, *flags) in enumerate(messages):
             stamp = header(seq, time(50, 1_000_000 * ms), "")
             data = store.serialize_ros1(
                 state(stamp, tus, *flags, [pillar(n, 0, 1)]), "papillarray_ros_v2/msg/SensorState"
@@ -42,14 +42,14 @@ def test_headers_and_flags_of_a_bag_are_kept(tmp_path: Path) -> None:
             bag.write(topics[n // 2], 51_000_000_000 + 1_000_000 * n, data)
     source = open_source(tmp_path / "a.bag")
     wanted = [(0, 7, 0.0, 1e-6, 1), (1, 3, 0.002, 3e-6, 6), (0, 9, 0.004, 2e-6, 3)]
-    seen = [(one.finger, one.sequence, round(one.t, 9), one.t_device, one.flags) for one in source]
-    assert seen == wanted
+    found = [(one.finger, one.sequence, round(one.t, 9), one.t_device, one.flags) for one in source]
+    assert found == wanted
     assert FLAGS == {"slip_detection": 1, "reference_loaded": 2, "contact": 4}
     assert provenance(source).start_ns == 50_100_000_000
     assert not getattr(source, "others", None)
-    told_of = call("run", tmp_path, "--json")
-    assert told_of.exit_code == 0, told_of.output
-    assert [(one["recording"], one.get("frames")) for one in json.loads(told_of.stdout)["recordings"]] == [("a.bag", 3)]
+    result = call("run", tmp_path, "--json")
+    assert result.exit_code == 0, result.output
+    assert [(one["recording"], one.get("frames")) for one in json.loads(result.stdout)["recordings"]] == [("a.bag", 3)]
     for target in ("b.npz", "b.parquet", "b.csv", "b.mcap"):
         convert(tmp_path / ("a.bag" if target == "b.npz" else "b.npz"), tmp_path / target)
         again = [
@@ -59,7 +59,7 @@ def test_headers_and_flags_of_a_bag_are_kept(tmp_path: Path) -> None:
         assert again == wanted
 
 
-def test_ros_bags_of_pillars(tmp_path: Path) -> None:
+def test_ros_2_bags(tmp_path: Path) -> None:
     store = get_typestore(Stores.ROS2_HUMBLE)
     kinds = {"sensor_interfaces/msg/PillarState": PILLAR, "sensor_interfaces/msg/SensorState": STATE}
     for kind, text in kinds.items():
