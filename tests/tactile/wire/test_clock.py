@@ -1,4 +1,4 @@
-"""Clocks of devices: drift under one-sided delays, a device that starts anew."""
+"""Clock line between device and host: drift under one-sided delays, restart of the device."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from tactile.wire.clock import ENOUGH, LATE, ClockLine
 
 
 def clocked(n: int, drift: float, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Device time, true host time, arrival: delays are never negative, often 1 ms, sometimes 50."""
+    """Device time, true host time and arrival, with delays of about 1 ms and sometimes 50 ms [s]."""
     true = np.arange(n) * 0.001
     delay = rng.exponential(1e-3, n) + (rng.random(n) < 0.02) * 0.05
     return 500 + true * (1 + drift), true, true + delay
@@ -27,7 +27,7 @@ def test_the_clock_line_finds_drift_under_one_sided_delays(drift: float) -> None
     assert line.late == pytest.approx(late * 20 / 15, rel=0.2)
 
 
-def test_the_clock_line_starts_anew_with_the_device() -> None:
+def test_the_clock_line_restarts_with_the_device() -> None:
     line = ClockLine()
     for n in range(4 * ENOUGH * 100):
         line(10 + n * 0.01, 1 + n * 0.01)

@@ -1,4 +1,4 @@
-"""Every wire format: what is sent is read, every way of cutting the stream, faults, and what settles by itself."""
+"""Wire formats: round trip, any chunking of the stream, transmission faults, sequence numbers, options."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ def same(got: list[Reading], wanted: list[np.ndarray], name: str, mode: str = ""
 
 
 @pytest.mark.parametrize(("name", "extra"), VARIANTS)
-def test_what_is_sent_is_read(name: str, extra: dict[str, Any]) -> None:
+def test_packets_round_trip(name: str, extra: dict[str, Any]) -> None:
     packets, wanted = stream(name, extra, 12)
     decoder = pair(name, extra)[0]
     got = decoded(decoder, b"".join(packets))
@@ -37,8 +37,8 @@ def test_what_is_sent_is_read(name: str, extra: dict[str, Any]) -> None:
 @pytest.mark.parametrize(("name", "extra"), VARIANTS)
 @given(data=st.data())
 @settings(max_examples=60, deadline=None)
-def test_cutting_the_stream_changes_nothing(name: str, extra: dict[str, Any], data: st.DataObject) -> None:
-    """Frames, garbage, cut frames and single changed bytes: the pieces in which they arrive leave no trace."""
+def test_chunking_does_not_change_the_readings(name: str, extra: dict[str, Any], data: st.DataObject) -> None:
+    """A stream with lost, added, changed and repeated bytes decodes alike in one chunk, many or single bytes."""
     packets, _ = stream(name, extra, 8, seed=data.draw(st.integers(0, 3)))
     for _ in range(data.draw(st.integers(0, 3))):
         at = data.draw(st.integers(0, len(packets) - 1))
@@ -67,7 +67,7 @@ def test_cutting_the_stream_changes_nothing(name: str, extra: dict[str, Any], da
 
 @pytest.mark.parametrize(("name", "extra"), VARIANTS)
 @pytest.mark.parametrize("seed", range(3))
-def test_after_garbage_the_next_good_frame_is_found(name: str, extra: dict[str, Any], seed: int) -> None:
+def test_no_good_frame_is_lost_after_garbage(name: str, extra: dict[str, Any], seed: int) -> None:
     packets, _ = stream(name, extra, 20)
     decoder = pair(name, extra)[0]
     clean = decoded(pair(name, extra)[0], b"".join(packets))
@@ -84,7 +84,7 @@ def test_after_garbage_the_next_good_frame_is_found(name: str, extra: dict[str, 
 
 
 @pytest.mark.parametrize(("name", "extra"), VARIANTS)
-def test_a_lost_byte_costs_two_frames_at_most(name: str, extra: dict[str, Any]) -> None:
+def test_a_lost_byte_costs_at_most_two_frames(name: str, extra: dict[str, Any]) -> None:
     packets, _ = stream(name, extra, 20)
     clean = decoded(pair(name, extra)[0], b"".join(packets))
     for at in range(3, len(packets[10]), max(1, len(packets[10]) // 7)):
@@ -93,7 +93,7 @@ def test_a_lost_byte_costs_two_frames_at_most(name: str, extra: dict[str, Any]) 
         truth = {reading.values.tobytes() for reading in clean}
         wrong = sum(reading.values.tobytes() not in truth for reading in got)
         assert len(got) - wrong >= len(clean) - (2 if name != "native" else 1)
-        # without a checksum, a frame that lost a byte can still look like one, but only that frame
+        # without a check sum, the frame that lost a byte may still be decoded
         assert wrong <= (1 if name in ("reskin", "lowiek", "csv") and not extra.get("check") else 0)
 
 
@@ -102,27 +102,27 @@ def test_sequence_numbers_are_counted() -> None:
     values = [np.zeros((9, 3))] * 2
     for number in (2**32 - 2, 2**32 - 1, 0, 0, 3, 4, 1_000_000, 1_000_001, 5, 6):
         decoder.feed(encoder.encode(values, number, 0.0))
-    # 1 and 2; 5 to 999 999; then a step back, which is a device that began anew
+    # 1 and 2; 5 to 999 999; then a step back: the device restarted
     assert (decoder.counts.good, decoder.counts.repeated, decoder.counts.missing) == (9, 1, 2 + 999_995)
-    for number in (7, 8_000_000, 9):  # a sum of bytes is no proof of a number that leaps and leaps back
+    for number in (7, 8_000_000, 9):  # a number that jumps for one packet is ignored
         decoder.feed(encoder.encode(values, number, 0.0))
     assert decoder.counts.missing == 2 + 999_995
 
 
-def test_start_and_end_bytes_inside_floats_do_not_fool_papillarray() -> None:
+def test_papillarray_decodes_start_and_end_bytes_inside_floats() -> None:
     decoder, encoder = pair("papillarray")
-    trap = np.frombuffer(bytes.fromhex("aabbccdd55667788aabbccdd"), "<f4").astype(np.float64)
-    traps = [np.tile(trap, (9, 1)), np.zeros((9, 3))]
+    marker = np.frombuffer(bytes.fromhex("aabbccdd55667788aabbccdd"), "<f4").astype(np.float64)
+    boards = [np.tile(marker, (9, 1)), np.zeros((9, 3))]
     with np.errstate(over="ignore"):
-        packet = encoder.encode(traps, 1, 0.0)
+        packet = encoder.encode(boards, 1, 0.0)
     assert packet.count(bytes.fromhex("aabbccdd")) > 10
     got = decoder.feed(packet)
     assert [reading.end for reading in got] == [len(packet)]
-    assert np.array_equal(got[0].values[0], trap)
+    assert np.array_equal(got[0].values[0], marker)
     assert decoder.counts.bad_checksum == 0
 
 
-def test_papillarray_settles_the_two_points_only_when_a_load_tells() -> None:
+def test_papillarray_detects_its_variant_under_load() -> None:
     for pillar, slip in (("force first", 2), ("displacement first", 1)):
         decoder, encoder = pair("papillarray", {"pillar": pillar, "slip_entry": slip})
         decoder.feed(encoder.encode([np.zeros((9, 3))] * 2, 1, 0.0))
@@ -133,8 +133,8 @@ def test_papillarray_settles_the_two_points_only_when_a_load_tells() -> None:
         assert str(decoder.settled()["pillar"]).startswith(pillar)
 
 
-def test_start_bytes_inside_lowiek_words_do_not_fool_it() -> None:
-    """A taxel that rests at a word of AA xx looks like a start byte in every frame; its neighbours' noise tells."""
+def test_lowiek_decodes_start_bytes_inside_words() -> None:
+    """A constant word AA xx looks like a start byte in every frame; the noise of the other words decides."""
     encoder = pair("lowiek")[1]
     rng = np.random.default_rng(1)
     rest = np.array([[0x5510, 100, 200], [0x5520, 0x5530, 7], [1, 2, 0x5540], [5, 6, 7]])
@@ -145,7 +145,7 @@ def test_start_bytes_inside_lowiek_words_do_not_fool_it() -> None:
         same(got, frames[1:], "lowiek")
 
 
-def test_lowiek_follows_a_field_beyond_its_range() -> None:
+def test_lowiek_unwraps_a_field_beyond_the_16_bit_range() -> None:
     decoder, encoder = pair("lowiek")
     fields = [np.tile([n * 200.0, -n * 200.0, 0.0], (4, 1)) for n in range(120)]
     got = decoded(decoder, b"".join(encoder.encode([values], 0, 0.0) for values in fields))
@@ -154,8 +154,8 @@ def test_lowiek_follows_a_field_beyond_its_range() -> None:
     assert got[-1].values[0, 0] > 2**15 * 0.150
 
 
-def test_a_changed_bit_leaves_no_offset_in_lowiek_s_fields() -> None:
-    """The highest bit of a word is half the range: nearest to the value before would be ambiguous ever after."""
+def test_a_changed_bit_leaves_no_offset_in_later_lowiek_fields() -> None:
+    """The highest bit of a word is half of the range, where unwrapping from the previous value is ambiguous."""
     encoder = pair("lowiek")[1]
     fields = [np.full((4, 3), 3.0 * (n % 5 - 2)) * [0.150, 0.150, 0.242] for n in range(40)]
     packets = [bytearray(encoder.encode([values], 0, 0.0)) for values in fields]
@@ -167,19 +167,19 @@ def test_a_changed_bit_leaves_no_offset_in_lowiek_s_fields() -> None:
     assert all((np.abs(got[n] - fields[n]) > 1e-9).sum() == 1 for n in wrong)
 
 
-def test_text_that_is_no_frame_is_passed_over() -> None:
+def test_text_lines_that_are_no_frame_are_skipped() -> None:
     decoder, _ = pair("csv", {"before": ["t_ms", "-"]})
     good = "12,x,".replace("x", "7") + ",".join(str(n) for n in range(12))
     lines = ["lost its beginning,1", good, "", "# note", "boot ok", good + ",1", good.replace("11", "1_1"), good[:-1],
              good.replace(",", " \t"), good.replace("11", "nan"), good.replace("11", "inf"), good + "*00"]  # fmt: skip
     got = decoded(decoder, "\r\n".join(lines).encode() + b"\n")
     assert [reading.t_device for reading in got] == [0.012] * 4
-    assert got[1].values[-1].tolist() == [9, 10, 1]  # a cut number of the right count goes unseen
+    assert got[1].values[-1].tolist() == [9, 10, 1]  # a truncated last number cannot be detected
     assert np.isnan(got[3].values[-1, 2])
     assert (decoder.counts.unfit, decoder.counts.bad_checksum) == (1, 1)
 
 
-def test_frames_of_another_shape_are_counted_not_given_out() -> None:
+def test_frames_of_another_shape_are_counted_and_skipped() -> None:
     for name in ("native", "papillarray", "paxini-fast", "csv"):
         other = find_format(name).encoder(Options(((4, 4),) * len(SHAPES[name])))
         decoder = pair(name)[0]
@@ -188,7 +188,7 @@ def test_frames_of_another_shape_are_counted_not_given_out() -> None:
         assert decoder.counts.unfit >= 1, name
 
 
-def test_wrong_options_are_told() -> None:
+def test_wrong_options_are_refused() -> None:
     assert set(NAMES) == set(SHAPES)
     with pytest.raises(InputError, match="one of reskin"):
         find_format("morse")

@@ -1,4 +1,4 @@
-"""The published golden bytes of every format, both ways."""
+"""Golden vectors of every wire format, decoded and encoded."""
 
 import json
 import struct
@@ -29,7 +29,7 @@ def test_golden_reskin(key: str) -> None:
     chips = np.array(golden()[key]["values"], np.float32).reshape(5, 4)
     assert np.array_equal(reading.values, chips[:, 1:])
     sent = bytearray(encoder.encode([reading.values], 0, 0.0))
-    for chip in range(5):  # the emulator's chips all have one temperature
+    for chip in range(5):  # the encoder writes one temperature for all chips
         sent[16 * chip : 16 * chip + 4] = struct.pack("<f", chips[chip, 0])
     assert sent.hex() == golden()[key]["hex"]
 
@@ -43,7 +43,7 @@ def test_golden_papillarray(key: str, extra: dict[str, Any]) -> None:
     assert np.array_equal(reading.values, np.array(pillars, np.float32).reshape(18, 3))
     assert (reading.sequence, reading.t_device) == (42, 123456e-6)
     assert decoder.settled()["slip_entry_type_bytes"] == extra.get("slip_entry", 2)
-    exact = np.array(pillars)  # from single precision the sums of the packet would differ in the last bit
+    exact = np.array(pillars)  # sums of single-precision values differ in the last bit
     assert encoder.encode(list(exact), 42, 123456e-6).hex() == golden()[key]["hex"]
 
 
@@ -70,7 +70,7 @@ def test_golden_lowiek() -> None:
 
 
 def test_golden_native() -> None:
-    """Worked by hand from the format's table: 1 x 1 taxel, int16 values 1, -1, 0."""
+    """Computed by hand from the format's table: 1 x 1 taxel, int16 values 1, -1, 0."""
     packet = bytes.fromhex("01 00 01 01 00 07000000 40e2010000000000 0100 ffff 0000".replace(" ", ""))
     crc = _crc16(packet)
     shape = Options(((1, 1),), {"value": "int16"})
