@@ -104,7 +104,7 @@ def test_recordings_in_use_are_locked(tmp_path: Path, kept: Path) -> None:
 
 
 def test_a_link_replaces_only_a_stale_link_of_an_emulator(tmp_path: Path) -> None:
-    taken = "there is something of that name; another name wanted"
+    taken = "the name is taken; another name wanted"
     notes, folder = tmp_path / "notes.txt", tmp_path / "folder"
     notes.write_text("mine")
     folder.mkdir()

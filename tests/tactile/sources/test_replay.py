@@ -15,10 +15,7 @@ from tactile.simulator.scene_file.file import read_scene, scene_from
 from tactile.sources import open_source
 from tactile.sources.replay_csv import read_csv, write_csv
 from tactile.sources.replay_npz import read_npz
-from tests.kits.paths import DATA
 from tests.kits.touch.source import GRIP, parsed
-
-RECORDINGS = sorted((DATA / "papillarray").glob("*.npz"))
 
 
 def same(a: Frame, b: Frame) -> bool:
@@ -191,26 +188,6 @@ def test_npz_of_something_else_is_refused(tmp_path: Path) -> None:
     (tmp_path / "cut.npz").write_bytes((tmp_path / "r.npz").read_bytes()[:100])
     with pytest.raises(InputError, match=r"cut\.npz"):
         read_npz(tmp_path / "cut.npz")
-
-
-@pytest.mark.skipif(not RECORDINGS, reason="the papillarray recordings are not available")
-def test_real_recordings() -> None:
-    for path in RECORDINGS[:2] + RECORDINGS[-2:]:
-        source = open_source(path)
-        frames = list(source)
-        assert len(frames) == source.frames
-        assert len(source.arrays) == (1 if path.name.startswith("rigid") else 2)
-        times = np.array([frame.t for frame in frames])
-        assert times[0] == 0
-        assert (np.diff(times) >= 0).all()
-        assert 3 < times[-1] < 60
-        assert all(frame.valid.all() for frame in frames)
-        with np.load(path) as file:  # the pillar forces sum to the global force; pressure is positive
-            first = [frame for frame in frames if frame.finger == 0]
-            total = np.array([frame.values.sum((0, 1)) for frame in first])
-            near = np.abs(total - file["s0_global"][:, :3]).max(1) < 0.05
-        assert near.mean() > 0.99
-        assert total[:, 2].max() > 1
 
 
 def test_a_folder_that_is_no_ros_bag_is_refused(tmp_path: Path) -> None:

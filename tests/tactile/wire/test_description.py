@@ -1,12 +1,9 @@
 """Array descriptions: chips to frames and back, thresholds, and errors in a file."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from cnnsim.support import InputError
-from tactile import make_effect
 from tactile.settings import PipelineOptions
 from tactile.thresholds.levels import SIGMAS, Sigmas
 from tactile.thresholds.threshold import SIGN, Threshold
@@ -48,17 +45,6 @@ def test_a_description_maps_chips_to_frames_and_back() -> None:
     assert again.arrays == description.arrays
 
 
-def test_the_thickness_of_the_cover_is_read() -> None:
-    assert parse_description(TEXT, "here").arrays[0].thickness is None
-    text = TEXT.replace("depth_mm = 2.0", "depth_mm = 2.0\nthickness_mm = 2.5")
-    description = parse_description(text, "here")
-    assert description.arrays[0].thickness == pytest.approx(2.5e-3, rel=1e-15)
-    source = replace(grip(0.05, 1), effects=(("finite_thickness", make_effect("finite_thickness", thickness=7e-3)),))
-    assert emulated_description("native", source).arrays[0].thickness == pytest.approx(7e-3, rel=1e-15)
-    with pytest.raises(InputError, match=r"a cover 0.0015 m thick over taxels 0.002 m deep; a thickness"):
-        parse_description(text.replace("2.5", "1.5"), "here")
-
-
 @pytest.mark.parametrize(("change", "message"), [
     (('"reskin"', '"risken"'), "one of reskin"),
     (("title", "titel"), "did you mean 'title'"),
@@ -70,6 +56,7 @@ def test_the_thickness_of_the_cover_is_read() -> None:
     (("rows = 2", "rows = 0"), "rows = 0, a whole number from 1 up"),
     (('protocol = "reskin"', 'protocol = "reskin"\\nbaudrate = 0'), "baudrate = 0, a whole number from 1 up wanted"),
     (("[[finger]]", "[options]\\nvalue = 1\\n[[finger]]"), "unknown key 'value'"),
+    (("depth_mm = 2.0", "depth_mm = 2.0\\nthickness_mm = 1.5"), "a cover 0.0015 m thick over taxels 0.002 m deep"),
     (("0.4", "0..4"), "not TOML"),
 ])  # fmt: skip
 def test_wrong_descriptions_are_refused(change: tuple[str, str], message: str) -> None:

@@ -51,28 +51,6 @@ def test_reskin_skips_a_frame_with_an_impossible_number(bad: float) -> None:
     assert decoder.counts.resynchronised == 82
 
 
-def constant_word(word: int, value: int, count: int = 60, seed: int = 2) -> tuple[list[np.ndarray], list[bytes]]:
-    """Return frames with a few counts of noise and one constant word on the wire, and their packets."""
-    rng, encoder = np.random.default_rng(seed), pair("lowiek")[1]
-    words = rng.integers(-3000, 3000, 12) + rng.integers(-3, 4, (count, 12))
-    words[:, word] = np.int16(np.uint16(~value & 0xFFFF))
-    frames = [one.reshape(4, 3) * [0.150, 0.150, 0.242] for one in words]
-    return frames, [encoder.encode([values], 0, 0.0) for values in frames]
-
-
-@pytest.mark.parametrize("word", [0, 1, 6, 11])
-@pytest.mark.parametrize("value", [0xAAAA, 0xAA13, 0x31AA])
-def test_lowiek_synchronises_next_to_a_constant_start_byte(word: int, value: int) -> None:
-    frames, packets = constant_word(word, value)
-    assert packets[0][1 + 2 * word : 3 + 2 * word] == value.to_bytes(2, "big")
-    truth = {values.tobytes() for values in frames}
-    for lost in (0, 1, 2, 6, 13, 14, 23, 24):  # one lost byte
-        sent = b"".join(packets[:20]) + packets[20][:lost] + packets[20][lost + 1 :] + b"".join(packets[21:])
-        got = [reading.values.tobytes() for reading in decoded(pair("lowiek")[0], sent)]
-        assert sum(values in truth for values in got) >= 54
-        assert sum(values not in truth for values in got) <= 2
-
-
 @pytest.mark.parametrize(("numbers", "missing", "repeated"), [
     ([1, 2, 840_304_667, 4, 5], 0, 0),  # a changed digit
     ([1, 2, 3, 1, 5, 6], 0, 0),
