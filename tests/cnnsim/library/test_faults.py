@@ -99,7 +99,7 @@ cells = 3
       "step 3: has none": 12, "step 4.1 (copy a): 'u'": 17, "step 4.2 (logic xro): no 'of', 'to'": 17,
       "step 4.2 (logic xro): logic function 'xro'": 17}),
     ("rule", RULE, read_table,
-     {"defalt": 3, "three strings of three": 1, "black and to be white": 2, "default is 'grey'": 4}),
+     {"defalt": 3, "three strings of three": 1, "in both lists, black and white": 2, "default is 'grey'": 4}),
     ("s", SWEEP, lambda path: read_sweep(path, {"transients": "cnnsim.sweep.transients"}),
      {"'foo'": 2, "'templat'": 4, "no 'template'": 3, "cells in [grid] and in [fixed]": 6, "cells = 3": 5}),
 ])  # fmt: skip
