@@ -22,17 +22,16 @@ from cnnsim.backends.cpu import bits as packed
 from cnnsim.backends.cpu import closed, planes
 from cnnsim.backends.cpu.bits import Bits
 from cnnsim.backends.cpu.boundary import virtual_cells
-from cnnsim.backends.cpu.compiled import Kernel, cache_folder
+from cnnsim.backends.cpu.compiled import Kernel, cache_folder, tap_records
 from cnnsim.backends.cpu.drive import control
 from cnnsim.backends.cpu.neighbourhood import literals, neighbourhood
-from cnnsim.backends.cpu.planes import grids
-from cnnsim.backends.cpu.pool import Pool
-from cnnsim.backends.cpu.prepared import Prepared
+from cnnsim.backends.cpu.planes import Pool, grids
 from cnnsim.backends.cpu.routine import MOST_CELLS, CompiledRoutine
 from cnnsim.backends.cpu.threads import checked_threads, keep_to
+from cnnsim.backends.cpu.tiles.euler import EulerTiles
 from cnnsim.backends.cpu.tiles.network import DiscreteSteps, Network, TermNetwork, TermSteps, with_control_terms
 from cnnsim.backends.slices import EXPONENTIALS, pieces
-from cnnsim.network import Boundary, Characteristic
+from cnnsim.network import Boundary, Characteristic, reach
 from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
@@ -44,6 +43,30 @@ from cnnsim.support.notices import announce
 announce(cache_folder(planes.clip.serial))
 
 _NO_MASK = np.empty((1, 1, 0), dtype=bool)
+
+
+class Prepared:
+    """Taps, virtual cells and numbers of one plan, in one dtype, for one number of threads."""
+
+    def __init__(self, plan: Plan, dtype: np.dtype[Any], threads: int) -> None:
+        template, boundary = plan.template, plan.boundary
+        self.control = tap_records(template.control_taps, dtype)
+        r = reach((tap.k, tap.l) for tap in template.control_taps)
+        self.around_u = virtual_cells(plan.shape, r, boundary, dtype.type(boundary.u))
+        self.z = dtype.type(template.z)
+        self.settles, limited = plan.duration == "settled", plan.cell == "full-range"
+        self.t = math.inf if plan.duration == "settled" else float(plan.duration)
+        a = dtype.type(template.self_feedback) if self.settles else float(template.self_feedback)
+        self.cell = a, self.t, limited
+        self.fuses = plan.scheme is not None and len(plan.scheme.b) == 1 and not limited
+        self._dtype, self._threads = dtype, threads
+        self._euler: EulerTiles | None = None
+
+    def euler(self, plan: Plan) -> EulerTiles:
+        """Return the Euler steps by tiles. The plan is not kept, so that its constants go with it."""
+        if self._euler is None:
+            self._euler = EulerTiles(plan, self._dtype, self._threads)
+        return self._euler
 
 
 class CpuBackend(Backend):

@@ -1,13 +1,19 @@
-"""Loops over planes (n, rows, cols): the output, and whether all cells are finite.
+"""Planes (n, rows, cols): the output, whether all cells are finite, and memory for the next transient.
 
-They are plain loops, because numba takes up to two seconds to compile a NumPy function.
+Loops are plain loops, because numba takes up to two seconds to compile a NumPy function.
 """
 
 import numpy as np
 from numba import prange
 
 from cnnsim.backends.cpu.compiled import helper, twins
+from cnnsim.backends.cpu.tiles.functions import clip_row
 from cnnsim.support import Array
+
+MOST = 3
+"""Planes kept: the drive of a transient, and the two planes between which its steps alternate."""
+WORTH_KEEPING = 1 << 20
+"""Bytes of a plane from which fresh memory of the system costs more than a step of the time loop."""
 
 
 def grids(plane: Array) -> Array:
@@ -22,16 +28,6 @@ def all_true(values: Array) -> bool:
     for value in values:
         count += value
     return count == values.size
-
-
-@helper
-def clip_row(row: Array, out: Array) -> None:
-    """Write clip(row, -1, 1); NaN stays NaN."""
-    one = row.dtype.type(1)
-    for j in range(row.size):
-        v = row[j]
-        v = one if v > one else v
-        out[j] = -one if v < -one else v
 
 
 @helper
@@ -58,4 +54,25 @@ def all_finite(x: Array) -> bool:
 def clip(x: Array, out: Array) -> None:
     """Write the output characteristic of x."""
     for line in prange(x.shape[0] * x.shape[1]):
-        clip_row(x[line // x.shape[1], line % x.shape[1]], out[line // x.shape[1], line % x.shape[1]])
+        row = x[line // x.shape[1], line % x.shape[1]]
+        clip_row(out[line // x.shape[1], line % x.shape[1]], row, row.dtype.type(1))
+
+
+class Pool:
+    """At most `MOST` large planes that are free."""
+
+    def __init__(self) -> None:
+        self._kept: list[Array] = []
+
+    def plane(self, like: Array) -> Array:
+        """Return a plane of the shape and type of another one, with any contents."""
+        while self._kept and like.nbytes >= WORTH_KEEPING:
+            plane = self._kept.pop()
+            if plane.dtype == like.dtype and plane.size == like.size:
+                return plane.reshape(like.shape)
+        return np.empty_like(like)
+
+    def keep(self, *planes: Array) -> None:
+        """Take planes that are free."""
+        self._kept += [plane for plane in planes if plane.nbytes >= WORTH_KEEPING]
+        del self._kept[:-MOST]

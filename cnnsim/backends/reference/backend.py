@@ -9,11 +9,10 @@ from numpy.typing import DTypeLike
 from cnnsim.backends import driver
 from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
 from cnnsim.backends.reference import adaptive
-from cnnsim.backends.reference.closed import closed_form
 from cnnsim.backends.reference.drive import control
 from cnnsim.backends.reference.term_steps import DiscreteSteps, TermSteps
 from cnnsim.backends.reference.terms import Network
-from cnnsim.backends.reference.transient import LinearSteps
+from cnnsim.backends.reference.transient import LinearSteps, closed_form
 from cnnsim.network import Boundary, Characteristic, pad
 from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule

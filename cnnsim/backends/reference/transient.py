@@ -1,11 +1,12 @@
-"""Steps of a linear template: dx/dt = -x + A*y + w by a Runge-Kutta scheme."""
+"""Linear templates: steps of dx/dt = -x + A*y + w by a Runge-Kutta scheme, checks, and the closed form."""
+
+import math
 
 import numpy as np
 
-from cnnsim.backends.base import Check, Stepper
-from cnnsim.backends.reference.settled import check
+from cnnsim.backends.base import Check, Outcome, Stepper
 from cnnsim.network.boundary import correlate
-from cnnsim.network.cell import output
+from cnnsim.network.cell import output, rate, uncoupled_state
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
@@ -48,3 +49,18 @@ class LinearSteps(Stepper):
     def finish(self) -> Array:
         """See `Stepper.finish`."""
         return self._x
+
+
+def check(plan: Plan, x: Array, drive: Array, free: Array) -> Check:
+    """Check a state whose drive is A*y + w; ``free`` marks the cells that no mask holds."""
+    largest = float(np.abs(rate(drive, x, plan.cell)[free]).max(initial=0.0))
+    saturated = (np.abs(x) >= 1) & (np.sign(x) * drive >= 1)
+    return Check(largest, plan.saturation_ends and bool(saturated[free].all()))
+
+
+def closed_form(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
+    """Return the state of uncoupled cells after the plan's duration, or their steady state."""
+    settled = plan.duration == "settled"
+    t = math.inf if settled else float(plan.duration)
+    end = uncoupled_state(x, w, plan.template.self_feedback, t, plan.cell)
+    return Outcome(np.where(free, end, x), t, settled, 0.0 if settled else math.nan)

@@ -13,8 +13,7 @@ import numpy as np
 from cnnsim.backends.base import Outcome
 from cnnsim.backends.codes import boundary_code
 from cnnsim.backends.cpu.compiled import Kernel, tap_records, threads_for
-from cnnsim.backends.cpu.planes import grids
-from cnnsim.backends.cpu.pool import Pool
+from cnnsim.backends.cpu.planes import Pool, grids
 from cnnsim.backends.cpu.tiles import rows
 from cnnsim.backends.cpu.tiles.dense import START, dense
 from cnnsim.backends.cpu.tiles.grid import Feedback, Schedule

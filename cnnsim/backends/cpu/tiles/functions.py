@@ -33,6 +33,13 @@ def copy_row(out: Array, v: Array) -> None:
 
 
 @helper
+def fill(cells: Array, value: Any) -> None:
+    """Set cells to a value."""
+    for j in range(cells.size):
+        cells[j] = value
+
+
+@helper
 def clip_row(out: Array, v: Array, slope: float) -> None:
     """Write clip(slope * v, -1, 1)."""
     one = v.dtype.type(1)

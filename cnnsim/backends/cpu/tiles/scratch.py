@@ -7,7 +7,7 @@ from typing import Any
 
 from cnnsim.backends.codes import BoundaryCode
 from cnnsim.backends.cpu.compiled import helper
-from cnnsim.backends.cpu.tiles.functions import clip_row, copy_row
+from cnnsim.backends.cpu.tiles.functions import clip_row, copy_row, fill
 from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
 from cnnsim.backends.cpu.tiles.term_sums import load_row
 from cnnsim.support import Array
@@ -19,13 +19,6 @@ ZERO_FLUX, PERIODIC = int(BoundaryCode.ZERO_FLUX), int(BoundaryCode.PERIODIC)
 def cache_line(scratch: Array) -> int:
     """Return the first cell of an array that begins a cache line."""
     return ((64 - (scratch.ctypes.data & 63)) & 63) // scratch.itemsize
-
-
-@helper
-def fill(cells: Array, value: Any) -> None:
-    """Set cells to a value."""
-    for j in range(cells.size):
-        cells[j] = value
 
 
 @helper

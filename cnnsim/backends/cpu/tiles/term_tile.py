@@ -5,8 +5,6 @@ comes to level s + 1 when the rows below it that terms look at have come to leve
 cells on all sides for each level: each level spoils r of them, and the rest is exact. At the edge of the grid the
 virtual cells are set at every level. All rows of a small torus go through a level before the next, because its
 surroundings would be larger than the grid.
-
-    k_i = drive of x_i - x_i,    x_i = x + gain (sum of a_ij k_j over j < i),    x <- x + gain (sum of b_i k_i)
 """
 
 from typing import Any, NamedTuple
@@ -16,28 +14,25 @@ import numpy as np
 from cnnsim.backends.codes import NOTHING, FunctionCode, TaskCode
 from cnnsim.backends.cpu.compiled import helper, uncounted
 from cnnsim.backends.cpu.tiles.channels import PERIODIC, fill_channels, find_lines
-from cnnsim.backends.cpu.tiles.check import saturated
-from cnnsim.backends.cpu.tiles.functions import clip_row, copy_row, function_row
+from cnnsim.backends.cpu.tiles.functions import copy_row, fill, function_row
 from cnnsim.backends.cpu.tiles.rows import PAD
-from cnnsim.backends.cpu.tiles.term_sums import WorkRows, add_terms, add_weighted, load_row, subtract
+from cnnsim.backends.cpu.tiles.stage_rows import (
+    LiveRows,
+    begin_step,
+    check_row,
+    differs,
+    discrete_row,
+    euler_row,
+    keep_masked,
+    largest_change,
+    next_stage,
+    stop_row,
+)
+from cnnsim.backends.cpu.tiles.term_sums import WorkRows, add_terms, load_row
 from cnnsim.support import Array
 
 SIGN = int(FunctionCode.SIGN)
 DRIVE, DISCRETE, STEP, CHECK = map(int, TaskCode)
-
-
-class LiveRows(NamedTuple):
-    """Rows (layers, rows, cells) of a scheme of some stages that are between its levels.
-
-    The ``state``, the ``stage``, the ``total`` of the weighted rates so far, the ``mask``; and, where later stages need
-    them, the ``rates`` of all stages, as many rows one after the other for each live row.
-    """
-
-    state: Array
-    stage: Array
-    total: Array
-    mask: Array
-    rates: Array
 
 
 class TermRule(NamedTuple):
@@ -119,135 +114,6 @@ def tile_sizes(rule: TermRule, width: int, depth: int) -> tuple[int, int, int, i
     return live, ahead.size * keeps, low if low else 2 * r + 1, stride
 
 
-@helper
-def _keep_masked(out: Array, mask: Array, x: Array) -> None:
-    for j in range(out.size):
-        out[j] = x[j] if mask[j] else out[j]
-
-
-@helper
-def _euler_row(out: Array, x: Array, gain: float, drive: Array) -> None:
-    for j in range(out.size):
-        out[j] = x[j] + gain * (drive[j] - x[j])
-
-
-@helper
-def _stage_row(drive: Array, stage: Array, total: Array, x: Array, weights: tuple[float, float], gain: float) -> None:
-    """Add the rate, drive - stage, to the total, and replace the drive by the next stage."""
-    b, a = weights
-    zero = x.dtype.type(0)
-    for j in range(drive.size):
-        k = drive[j] - stage[j]
-        total[j] += b * k
-        drive[j] = x[j] + gain * (zero + a * k)
-
-
-@helper
-def _last_row(out: Array, drive: Array, stage: Array, total: Array, x: Array, b: float, gain: float) -> None:
-    """Write the state after the step, from the drive of the last stage."""
-    for j in range(out.size):
-        out[j] = x[j] + gain * (total[j] + b * (drive[j] - stage[j]))
-
-
-@helper
-def _sum_row(out: Array, x: Array, gain: float, total: Array) -> None:
-    for j in range(out.size):
-        out[j] = x[j] + gain * total[j]
-
-
-@helper
-def _fill(out: Array, value: float) -> None:
-    for j in range(out.size):
-        out[j] = value
-
-
-@helper
-def _stop(row: Array, x: Array, mask: Array, limited: bool, masked: bool) -> None:
-    """Keep states within +-1 where they are limited, and as they were where they are masked."""
-    if limited:
-        clip_row(row, row, row.dtype.type(1))
-    if masked:
-        _keep_masked(row, mask, x)
-
-
-@helper
-def _begin_step(live: LiveRows, at: tuple[int, int], x: Array) -> None:
-    """Begin a step from a row of the state; ``at`` are the layer and the live row."""
-    (layer, place), n = at, x.size
-    copy_row(live.state[layer, place][:n], x)
-    copy_row(live.stage[layer, place][:n], x)
-    _fill(live.total[layer, place][:n], 0)
-
-
-@helper
-def _next_stage(
-    live: LiveRows, at: tuple[int, int], work: WorkRows, scheme: Any, stage: int, gain: float, how: tuple[bool, bool]
-) -> None:  # fmt: skip
-    """Go from the drives of a stage, in ``work``, to the next stage; after the last one ``spare`` is the new state.
-
-    ``at``: the layer and the live row. ``how``: whether states are limited, and masked.
-    """
-    (layer, place), (table, count, keeps), n = at, scheme, work.drive.size
-    x, of_stage, total = live.state[layer, place][:n], live.stage[layer, place][:n], live.total[layer, place][:n]
-    mask, drive, spare = live.mask[layer, place][:n], work.drive, work.spare
-    b, row = table[count * count + stage], (stage + 1) * count
-    if stage + 1 == count:
-        _last_row(spare, drive, of_stage, total, x, b, gain)
-        _stop(spare, x, mask, how[0], how[1])
-        return
-    if keeps:
-        rates = live.rates[layer, place * count : (place + 1) * count]
-        subtract(drive, drive, of_stage)
-        add_weighted(total, b, drive)
-        copy_row(rates[stage][:n], drive)
-        _fill(spare, 0)
-        for earlier in range(stage + 1):
-            add_weighted(spare, table[row + earlier], rates[earlier][:n])
-        _sum_row(drive, x, gain, spare)
-    else:
-        _stage_row(drive, of_stage, total, x, (b, table[row + stage]), gain)
-    _stop(drive, x, mask, how[0], how[1])
-    copy_row(of_stage, drive)
-
-
-@helper
-def _check_row(drive: Array, x: Array, mask: Array, limited: bool, masked: bool) -> Any:
-    """Return the largest |drive - x| of the free cells, and whether one of them is not saturated."""
-    largest, one, unsaturated = x.dtype.type(0), x.dtype.type(1), False
-    for j in range(x.size):
-        change = drive[j] - x[j]
-        against = limited and ((x[j] >= 1 and change > 0) or (x[j] <= -1 and change < 0))
-        if not (masked and mask[j]):
-            unsaturated |= not saturated(x[j], drive[j], one)
-            if not against:
-                largest = max(largest, abs(change))
-    return largest, unsaturated
-
-
-@helper
-def _discrete_row(new: Array, drive: Array, y: Array, sign: bool) -> None:
-    """Keep the old outputs where the drive of a sign is 0."""
-    if sign:
-        for j in range(new.size):
-            new[j] = y[j] if drive[j] == 0 else new[j]
-
-
-@helper
-def _largest_change(v: Array, w: Array) -> Any:
-    change = v.dtype.type(0)
-    for j in range(v.size):
-        change = max(change, abs(v[j] - w[j]))
-    return change
-
-
-@helper
-def _differs(v: Array, w: Array) -> bool:
-    count = 0
-    for j in range(v.size):
-        count += v[j] != w[j]
-    return count > 0
-
-
 def step_tile(
     job: Job, planes: TermPlanes, rule: TermRule, live: LiveRows, rings: Array, work: WorkRows, found: Array
 ) -> None:
@@ -282,11 +148,11 @@ def step_tile(
         uncounted(work.weights)[:n], uncounted(work.zeros)[:n], uncounted(work.mask)[:n], uncounted(work.spare)[:n],
     )  # fmt: skip
     drive, to, spare = rows_of.drive, rows_of.drive[inner : inner + wanted], rows_of.spare[:wanted]
-    _fill(rows_of.zeros, 0)
+    fill(rows_of.zeros, 0)
     for level in range(levels):
         for m in range(channels.size):
             at = ring * stride + first
-            _fill(rings[level, m][at - r : at + n + r], of_input if channels[m]["plane"] >= 0 else of_state)
+            fill(rings[level, m][at - r : at + n + r], of_input if channels[m]["plane"] >= 0 else of_state)
     now = start[g] if number == 0 else states[number % kept, g]
     last = start[g] if number <= 1 else states[(number - 1) % kept, g]
     after = states[(number + 1) % kept, g]
@@ -302,7 +168,7 @@ def step_tile(
             for layer in range(layers if level > 0 or levels > 1 else 0):
                 if level == 0:
                     load_row(rows_of.spare, now[layer], i, lo)
-                    _begin_step(live, (layer, place), rows_of.spare)
+                    begin_step(live, (layer, place), rows_of.spare)
                     if masked:
                         load_row(live.mask[layer, place][:n], mask[g, layer], i, lo)
                     continue
@@ -310,11 +176,11 @@ def step_tile(
                 add_terms(function, rows_of, rings[level - 1], lines, layer, field, (i, lo))
                 if levels > 1:
                     at_row, stage = (layer, place), (level - 1) % count
-                    _next_stage(live, at_row, rows_of, scheme, stage, gains[layer], (limited, masked))
+                    next_stage(live, at_row, rows_of, scheme, stage, gains[layer], (limited, masked))
                     if level == levels:
                         copy_row(after[layer, i][c0:c1], rows_of.spare[inner : inner + wanted])
                     elif stage + 1 == count:
-                        _begin_step(live, at_row, rows_of.spare)
+                        begin_step(live, at_row, rows_of.spare)
                     continue
                 held, x = rows_of.mask[:wanted], now[layer, i][c0:c1]
                 if masked:
@@ -322,20 +188,20 @@ def step_tile(
                 if task == DRIVE:
                     copy_row(w[g, layer, i][c0:c1], to)
                 elif task == STEP:
-                    _euler_row(spare, x, gains[layer], to)
-                    _stop(spare, x, held, limited, masked)
+                    euler_row(spare, x, gains[layer], to)
+                    stop_row(spare, x, held, limited, masked)
                     copy_row(after[layer, i][c0:c1], spare)
                 elif task == CHECK:
-                    rate, unsaturated = _check_row(to, x, held, limited, masked)
+                    rate, unsaturated = check_row(to, x, held, limited, masked)
                     found[layer] = max(found[layer], rate)
                     found[layers + 1] = max(found[layers + 1], found.dtype.type(unsaturated))
                 else:
                     function_row(function, spare, to, kind, places.size, places, values)
-                    _discrete_row(spare, to, x, kind == SIGN)
+                    discrete_row(spare, to, x, kind == SIGN)
                     if masked:
-                        _keep_masked(spare, held, x)
-                    found[layer] = max(found[layer], _largest_change(spare, x))
-                    if _differs(spare, last[layer, i][c0:c1]):
+                        keep_masked(spare, held, x)
+                    found[layer] = max(found[layer], largest_change(spare, x))
+                    if differs(spare, last[layer, i][c0:c1]):
                         found[layers] = 1
                     copy_row(after[layer, i][c0:c1], spare)
             if level < levels:

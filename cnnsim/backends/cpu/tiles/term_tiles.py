@@ -12,8 +12,9 @@ from cnnsim.backends.codes import NOTHING, FunctionCode, TaskCode, boundary_code
 from cnnsim.backends.cpu.compiled import call, compiled_at, records, threads_for, twins
 from cnnsim.backends.cpu.tiles.functions import functions
 from cnnsim.backends.cpu.tiles.grid import tile_area
+from cnnsim.backends.cpu.tiles.stage_rows import LiveRows
 from cnnsim.backends.cpu.tiles.term_sums import WorkRows
-from cnnsim.backends.cpu.tiles.term_tile import Job, LiveRows, TermPlanes, TermRule, step_tile, tile_sizes
+from cnnsim.backends.cpu.tiles.term_tile import Job, TermPlanes, TermRule, step_tile, tile_sizes
 from cnnsim.backends.slices import PIECE, TERM, pieces
 from cnnsim.backends.term_table import Function, TapColumns, TermColumns, TermTable
 from cnnsim.network.frames import at_step

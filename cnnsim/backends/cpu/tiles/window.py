@@ -12,14 +12,13 @@ from numba import types
 from cnnsim.backends.cpu.compiled import compiled_at, helper, uncounted
 from cnnsim.backends.cpu.tiles.catch_up import catch_up_block
 from cnnsim.backends.cpu.tiles.check import check_block
-from cnnsim.backends.cpu.tiles.functions import copy_row
+from cnnsim.backends.cpu.tiles.functions import copy_row, fill
 from cnnsim.backends.cpu.tiles.grid import Area, Feedback
 from cnnsim.backends.cpu.tiles.rows import BLOCK, PAD, STRIDE, step_blocks
 from cnnsim.backends.cpu.tiles.scratch import (
     PERIODIC,
     cache_line,
     clip_rows,
-    fill,
     load_padded,
     set_sides,
     set_virtual_row,
