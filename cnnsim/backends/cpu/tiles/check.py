@@ -51,11 +51,13 @@ def largest_of(found: Array) -> float:
 
 
 @without_nan
-def _largest_rate(x: Array, drive: Array) -> float:
-    largest = x.dtype.type(0)
+def _check_row(x: Array, drive: Array) -> tuple[int, float]:
+    """Return how many cells are not saturated for good, and the largest |dx/dt|."""
+    one, largest, unsaturated = x.dtype.type(1), x.dtype.type(0), np.int32(0)
     for j in range(x.size):
+        unsaturated += np.int32(not saturated(x[j], drive[j], one))
         largest = max(largest, abs(drive[j] - x[j]))
-    return largest
+    return unsaturated, largest
 
 
 @helper
@@ -65,9 +67,8 @@ def check_block(scratch: Array, at_x: int, at_drive: int, area: Area, i: int, fo
     for q in range(max(area.r0 - i, 0), min(area.r1 - i, BLOCK)):
         x = scratch[at_x + q * STRIDE : at_x + q * STRIDE + n]
         drive = scratch[at_drive + q * STRIDE : at_drive + q * STRIDE + n]
-        unsaturated = np.int32(0)
-        for j in range(n):
-            unsaturated += np.int32(not saturated(x[j], drive[j], one))
+        unsaturated, rate = _check_row(x, drive)
+        found[RATE] = max(found[RATE], rate)
         if unsaturated:
             found[R0], found[R1] = min(found[R0], i + q), max(found[R1], i + q + 1)
             first, last = 0, n - 1
@@ -76,4 +77,3 @@ def check_block(scratch: Array, at_x: int, at_drive: int, area: Area, i: int, fo
             while saturated(x[last], drive[last], one):
                 last -= 1
             found[C0], found[C1] = min(found[C0], area.c0 + first), max(found[C1], area.c0 + last + 1)
-        found[RATE] = max(found[RATE], _largest_rate(x, drive))
