@@ -9,11 +9,10 @@ import click
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.files import write_rows, writing
 from cnnsim.support.terminal import echo
+from tactile.cli.options import FILE, JSON
 
 if TYPE_CHECKING:
     from tactile.simulator.tradeoff import Trade
-
-_FILE = click.Path(path_type=Path)
 
 
 @click.command(
@@ -23,11 +22,11 @@ _FILE = click.Path(path_type=Path)
         "tactile accuracy scene.toml --tolerance 0.05 --json",
     )
 )
-@click.argument("scene", type=_FILE)
+@click.argument("scene", type=FILE)
 @click.option("--tolerance", "tolerances", type=float, multiple=True, help="One or more, instead of 0.3 to 0.001.")
-@click.option("-o", "--output", type=_FILE, help="Where the diagram goes (PNG, SVG, PDF).")
-@click.option("--csv", "table", type=_FILE, help="Where the figures go, a line a tolerance.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@click.option("-o", "--output", type=FILE, help="Where the diagram goes (PNG, SVG, PDF).")
+@click.option("--csv", "table", type=FILE, help="Where the figures go, a line a tolerance.")
+@JSON
 def accuracy(
     scene: Path, tolerances: tuple[float, ...], output: Path | None, table: Path | None, as_json: bool
 ) -> None:

@@ -11,6 +11,7 @@ from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.terminal import echo
 from tactile.calibration.from_weights import NAMES, Model, calibrate_loads
 from tactile.calibration.live_tare import LiveTare
+from tactile.cli.options import FILE, JSON
 from tactile.core.frame import Frame
 from tactile.core.source import Source
 
@@ -23,11 +24,11 @@ from tactile.core.source import Source
         "tactile calibrate pad.npz --tare 100 --weights weights.csv --fit gains --json",
     )
 )
-@click.argument("scan", type=click.Path(path_type=Path))
+@click.argument("scan", type=FILE)
 @click.option("--speed-mm-s", type=float, help="True speed of the needle.")
 @click.option("--load-n", type=float, help="True load of the needle.")
 @click.option(
-    "--weights", type=click.Path(path_type=Path),
+    "--weights", type=FILE,
     help="CSV table of known loads: from_s, to_s, grams (or f_n), and where there are such q_n, r_n, x_mm, y_mm.",
 )  # fmt: skip
 @click.option(
@@ -39,8 +40,8 @@ from tactile.core.source import Source
     "--toward", type=(float, float), metavar="X Y",
     help="Direction of the slide in the array's frame; without it the sign of the shear is taken to be right.",
 )  # fmt: skip
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="File for `tactile run --calibration`.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@click.option("-o", "--output", type=FILE, help="File for `tactile run --calibration`.")
+@JSON
 def calibrate(
     scan: Path, speed_mm_s: float | None, load_n: float | None, weights: Path | None, fit: Model, tare: int,
     toward: tuple[float, float] | None, output: Path | None, as_json: bool,

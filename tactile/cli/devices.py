@@ -13,16 +13,15 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.exclusive_file import lock, open_shut
 from cnnsim.support.terminal import echo
-from tactile.cli.loading import ends_at_once
-from tactile.cli.options import ARRAY, FILE, PROTOCOL, chosen_description, write_new_text
-from tactile.cli.port.console import be_steady, stopping
+from tactile.cli.options import ARRAY, FILE, JSON, PROTOCOL, chosen_description, write_new_text
+from tactile.cli.port.console import be_steady, ends_at_once, stopping
 
 if TYPE_CHECKING:
     from tactile.serial.emulator import Emulator
 
 
 @click.command(epilog=examples("tactile ports"))
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@JSON
 def ports(as_json: bool) -> None:
     """List serial ports and the devices on them."""
     from tactile.serial.port import list_ports  # pyserial only where it is used

@@ -6,6 +6,7 @@ import click
 
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.terminal import console, printable
+from tactile.cli.options import FILE, JSON
 
 FULL = 1000
 """Columns where the output is no terminal: no line of a scene is longer, and nothing is cut."""
@@ -18,11 +19,9 @@ FULL = 1000
         "tactile explain examples/scenes/textures.toml --write chosen.toml",
     )
 )
-@click.argument("scene", type=click.Path(path_type=Path))
-@click.option(
-    "--write", type=click.Path(path_type=Path), help="Keep the effects chosen by effects = 'auto' in this scene file."
-)
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@click.argument("scene", type=FILE)
+@click.option("--write", type=FILE, help="Keep the effects chosen by effects = 'auto' in this scene file.")
+@JSON
 def explain(scene: Path, write: Path | None, as_json: bool) -> None:
     """Show the size and time of each part of a scene.
 

@@ -8,18 +8,20 @@ import click
 from cnnsim.cli.examples import write_examples
 from cnnsim.support.command_line import CommandGroup
 from cnnsim.support.terminal import echo
+from cnnsim.sweep.command import sweep_command
 from tactile.cli.accuracy import accuracy
 from tactile.cli.calibrate import calibrate
-from tactile.cli.convert import convert
 from tactile.cli.devices import emulate, ports
 from tactile.cli.explain import explain
-from tactile.cli.new import new
+from tactile.cli.files import convert, new
 from tactile.cli.planes import codes, planes
 from tactile.cli.run import run
 from tactile.cli.score import score
 from tactile.cli.stream import live, record, replay
-from tactile.cli.sweep import sweep
 from tactile.cli.texture import texture
+
+SWEEPS = {"scenes": "tactile.sweeps.scenes", "labelled": "tactile.sweeps.labelled"}
+"""Kind of sweep -> its module."""
 
 
 @click.group(cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -38,22 +40,7 @@ def main() -> None:
 
 
 for command in (
-    run,
-    score,
-    sweep,
-    texture,
-    planes,
-    codes,
-    new,
-    calibrate,
-    explain,
-    accuracy,
-    ports,
-    emulate,
-    record,
-    replay,
-    convert,
-    live,
-    write_examples,
-):
+    run, score, sweep_command(SWEEPS, "tactile", "grips.toml", "seed,frames"), texture, planes, codes, new, calibrate,
+    explain, accuracy, ports, emulate, record, replay, convert, live, write_examples,
+):  # fmt: skip
     main.add_command(command)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 FILE = click.Path(path_type=Path)
 PROTOCOL = click.option("--protocol", type=click.Choice(list(NAMES)), help="For devices that need no --array.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 ARRAY = click.option("--array", "-a", type=FILE, help="Array description (TOML), as CONNECT.md explains.")
 
 
@@ -125,7 +126,7 @@ def detection(command: Callable[..., None]) -> Callable[..., None]:
             help="Also run this detector or program (a name or a .toml file) on every frame; may be given again.",
         ),
         click.option(
-            "--library", type=click.Path(path_type=Path), multiple=True, expose_value=False, callback=_add_library,
+            "--library", type=FILE, multiple=True, expose_value=False, callback=_add_library,
             is_eager=True, help="Look for programs and templates in this folder, too; may be given again.",
         ),
     )):  # fmt: skip

@@ -4,10 +4,11 @@ import click
 
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.terminal import echo, say_table
+from tactile.cli.options import JSON
 
 
 @click.command(epilog=examples("tactile planes", "tactile planes --json"))
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@JSON
 def planes(as_json: bool) -> None:
     """List the planes that detectors read."""
     from tactile.events.detector_file import SHIPPED, shipped_detectors  # the machine is not for --help
@@ -27,7 +28,7 @@ def planes(as_json: bool) -> None:
     epilog=examples("tactile codes 0101010101010101", "tactile codes 0xd8d8", "tactile codes", "tactile codes --json")
 )
 @click.argument("code", nargs=-1, metavar="[CODE]...")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@JSON
 def codes(code: tuple[str, ...], as_json: bool) -> None:
     """Show the directions that sign codes stand for.
 

@@ -1,6 +1,5 @@
 """The command that runs a scene or a recording through the pipeline."""
 
-from collections import deque
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,8 @@ from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.terminal import echo, say
 from tactile.calibration.live_tare import TareMode
 from tactile.cli.opened import RunChoices, gains_of, open_for_run
-from tactile.cli.options import TareChoice, check_thresholds, detection
-from tactile.core.source import FrameStream, Source, provenance
+from tactile.cli.options import FILE, JSON, TareChoice, check_thresholds, detection
+from tactile.core.source import Source, with_frames
 from tactile.settings import PipelineOptions
 from tactile.sources.folder import is_folder_of_recordings
 from tactile.wire.base import Counts
@@ -26,11 +25,11 @@ from tactile.wire.base import Counts
         "tactile run grasps/ -o out/grasps --parquet",
     )
 )
-@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("source", type=FILE)
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=FILE,
     help="Folder for frames.csv, events.json and touch.png; of many recordings for events.csv.",
 )
 @click.option("--parquet", is_flag=True, help="Write the rows of the .csv file as .parquet, too.")
@@ -44,9 +43,9 @@ from tactile.wire.base import Counts
     " [auto for a device's readings, else off].",
 )
 @click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
-@click.option("--calibration", type=click.Path(path_type=Path), help="Gains, depth and correction of a skin.")
+@click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin.")
 @click.option("--backend", type=click.Choice(backends.NAMES), help="Where the machine runs [cpu].")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@JSON
 def run(
     source: Path, output: Path | None, parquet: bool, tare: TareMode | None, gains: str | None,
     calibration: Path | None, as_json: bool, **chosen: Any,
@@ -84,8 +83,7 @@ def run(
     collected = Collected(truth)
     unread = InvalidReadings(frames.arrays)
     seen = watched(unread.through(frames), "touch", frames.frames)
-    asked: deque[bool] = getattr(frames, "tare_requests", deque())  # of recordings in which a tare was asked for
-    passed = FrameStream(frames.title, frames.arrays, frames.modulus, frames.frames, seen, provenance(frames), asked)
+    passed = with_frames(frames, seen)
     if output is None:
         pipeline.run(passed, settings, [collected])
     else:

@@ -1,6 +1,6 @@
 """Runs many recordings through the pipeline into one table of events."""
 
-from collections import Counter, deque
+from collections import Counter
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from cnnsim.support.command_line import print_json, watched
 from cnnsim.support.terminal import echo, say_table
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
-from tactile.core.source import FrameStream, provenance
+from tactile.core.source import with_frames
 from tactile.events.event import Event, EventLog
 from tactile.output.event_table import TOLD, UNITS, event_row, write_events
 from tactile.output.invalid_readings import InvalidReadings
@@ -95,10 +95,7 @@ def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[st
     """Return the event rows of one recording, and a summary of it."""
     opened, seen = open_for_run(file, choices), _Watch()
     source, unread = opened.source, InvalidReadings(opened.source.arrays)
-    asked: deque[bool] = getattr(source, "tare_requests", deque())  # of recordings in which a tare was asked for
-    frames = unread.through(source)
-    passed = FrameStream(source.title, source.arrays, source.modulus, source.frames, frames, provenance(source), asked)
-    pipeline.run(passed, opened.settings, [seen])
+    pipeline.run(with_frames(source, unread.through(source)), opened.settings, [seen])
     rows = seen.rows(file.name, opened)
     return rows, {
         "recording": file.name, "title": opened.source.title, "frames": seen.frames,

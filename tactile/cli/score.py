@@ -8,7 +8,7 @@ import click
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.terminal import echo
-from tactile.cli.options import ARRAY, Finite, check_thresholds, detection
+from tactile.cli.options import ARRAY, FILE, JSON, Finite, check_thresholds, detection
 
 if TYPE_CHECKING:
     from tactile.core.source import Source
@@ -26,8 +26,8 @@ FEW = 0.5
         "tactile score slips.npz --array board.toml --gain 0.25 --gain 4",
     )
 )  # fmt: skip
-@click.argument("recordings", type=click.Path(path_type=Path), required=False)
-@click.option("--labels", type=click.Path(path_type=Path), help="CSV: recording, sensor, times [s].")
+@click.argument("recordings", type=FILE, required=False)
+@click.option("--labels", type=FILE, help="CSV: recording, sensor, times [s].")
 @click.option(
     "--grasps", type=click.IntRange(0, 1_000_000), default=0, help="So many simulated grasps with known onsets."
 )
@@ -50,7 +50,7 @@ FEW = 0.5
     "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file does not say it."
 )
 @detection
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
+@JSON
 def score(
     recordings: Path | None, labels: Path | None, grasps: int, from_seed: int, idle_minutes: float, half: str,
     window_ms: float, as_json: bool, array: Path | None, gains: tuple[float, ...], kinds: tuple[str, ...],

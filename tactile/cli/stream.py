@@ -12,7 +12,6 @@ from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
 from cnnsim.support.terminal import echo
-from tactile.cli.loading import ends_at_once
 from tactile.cli.options import (
     ARRAY,
     FILE,
@@ -42,7 +41,7 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines fo
 @ONCE
 @REPLACE
 @JSON
-@ends_at_once()
+@console.ends_at_once()
 def record(
     port: str, protocol: str | None, array: Path | None, output: Path, seconds: float | None, once: bool,
     replace: bool, as_json: bool,
@@ -90,7 +89,7 @@ def record(
 @ONCE
 @REPLACE
 @JSON
-@ends_at_once()
+@console.ends_at_once()
 def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
     replace: bool, as_json: bool, calibration: Path | None, **chosen: Any,

@@ -10,7 +10,7 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.files import check_free
 from cnnsim.support.terminal import echo, say_table
-from tactile.cli.options import FILE, Finite
+from tactile.cli.options import FILE, JSON, Finite
 
 if TYPE_CHECKING:
     from tactile.materials.assessment import Assessment
@@ -26,7 +26,7 @@ def _shared(command: Callable[..., None]) -> Callable[..., None]:
                      " stop_s, speed_mm_s, block."),
         click.option("--window", type=int, default=128, show_default=True, help="Samples of a window."),
         click.option("--speed", type=float, help="Speed of all slides [mm/s]: spectra count along the way."),
-        click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read."),
+        JSON,
     )):  # fmt: skip
         command = option(command)
     return command

@@ -22,14 +22,14 @@ CSV stores it in comment lines, NPZ in the array ``tactile``, Parquet in its met
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, parse_toml, take, take_tables
 from tactile.core.array_table import take_array
-from tactile.core.frame import TaxelArray
-from tactile.core.source import Provenance, Source, provenance
+from tactile.core.frame import Frame, TaxelArray
+from tactile.core.source import FrameStream, Provenance, Source, provenance
 
 TOP_KEYS = (
     "tactile_recording", "title", "youngs_modulus_pa", "start_ns", "untared", "array_description", "live_choices",
@@ -46,6 +46,10 @@ class RecordingHeader(NamedTuple):
     modulus: float | None
     arrays: tuple[TaxelArray, ...]
     provenance: Provenance
+
+    def stream(self, frames: Iterable[Frame], count: int | None) -> FrameStream:
+        """Return a source of ``count`` frames with this header."""
+        return FrameStream(self.title, self.arrays, self.modulus, count, frames, self.provenance)
 
 
 def header_text(source: Source) -> str:

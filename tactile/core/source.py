@@ -67,3 +67,10 @@ class FrameStream:
 
     def __iter__(self) -> Iterator[Frame]:
         return iter(self.stream)
+
+
+def with_frames(source: Source, frames: Iterable[Frame]) -> FrameStream:
+    """Return a source of ``frames`` with the other attributes of ``source``, also its tare requests."""
+    asked: deque[bool] = getattr(source, "tare_requests", deque())  # of recordings in which a tare was asked for
+    known = provenance(source)
+    return FrameStream(source.title, source.arrays, source.modulus, source.frames, frames, known, asked)

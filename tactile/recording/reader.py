@@ -196,6 +196,15 @@ def open_recording(path: Path) -> Recorded:
     return Recorded(path, description, made, start, counts, tuple(damage), whole, messages, topics)
 
 
+def read_mcap(path: Path) -> "WireSource | StoredSource":
+    """Return the frames of a recording, before their tare.
+
+    Raises:
+        InputError: as `open_recording`.
+    """
+    return open_recording(path).source()
+
+
 def _checked(path: Path, made: dict[str, str], array: bytes) -> tuple[int, str]:
     """Return the start [ns] and the array description after checking their checksums."""
     told, written = made.get(schema.SUM), made.get("version")

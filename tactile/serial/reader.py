@@ -4,7 +4,7 @@ The thread that waits for frames takes the chunks itself (`PortReader.poll`), be
 switches per packet. While it is busy the reader's own thread takes them, so that they are recorded soon.
 """
 
-import socket
+import os
 import threading
 import time
 from collections.abc import Callable
@@ -186,5 +186,5 @@ class PortReader:
                 return
 
 
-CAN_DRAIN = hasattr(socket, "send_fds")
+CAN_DRAIN = os.name == "posix"
 """Whether an open port can be passed to another process; not on Windows."""

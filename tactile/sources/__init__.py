@@ -1,6 +1,5 @@
 """Opening a source of frames: a scene, a recording or a ROS bag."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from cnnsim.support import InputError
@@ -8,7 +7,18 @@ from cnnsim.support.files import named_file
 from tactile.core.source import Source
 from tactile.wire.extras import need
 
-KINDS = (".toml", ".npz", ".csv", ".parquet", ".mcap", ".bag", ".db3")
+BAG = ("tactile.sources.replay_rosbag", "read_bag", "a ROS bag")
+READERS = {
+    ".toml": ("tactile.simulator.scene_file.file", "read_scene", "a scene"),
+    ".npz": ("tactile.sources.replay_npz", "read_npz", "an NPZ file"),
+    ".csv": ("tactile.sources.replay_csv", "read_csv", "a CSV file"),
+    ".parquet": ("tactile.sources.replay_parquet", "read_parquet", "a Parquet file"),
+    ".mcap": ("tactile.recording.reader", "read_mcap", "an MCAP recording"),
+    ".bag": BAG,
+    ".db3": BAG,
+}
+"""Suffix -> module, function and name of its reader, which is imported when used."""
+KINDS = tuple(READERS)
 """Suffixes of sources; the folder of a ROS 2 bag is a source, too."""
 
 
@@ -28,48 +38,11 @@ def open_source(path: Path | str) -> Source:
         raise InputError(f"{path}: a folder, and no ROS bag (no metadata.yaml in it); a scene or recording wanted")
     if suffix not in KINDS:
         raise InputError(f"{path}: suffix {path.suffix!r}, a scene or recording in {', '.join(KINDS)} wanted")
-    return _READERS[suffix](path)
+    module, read, what = READERS[suffix]
+    source: Source = getattr(need(module, what), read)(path)
+    return source
 
 
 def is_bag(folder: Path) -> bool:
     """Return whether a folder is a ROS 2 bag."""
     return (folder / "metadata.yaml").is_file()
-
-
-def _read_scene(path: Path) -> Source:
-    from tactile.simulator.scene_file.file import read_scene  # imported when used
-
-    return read_scene(path)
-
-
-def _read_csv(path: Path) -> Source:
-    from tactile.sources.replay_csv import read_csv  # imported when used
-
-    return read_csv(path)
-
-
-def _read_npz(path: Path) -> Source:
-    from tactile.sources.replay_npz import read_npz  # imported when used
-
-    return read_npz(path)
-
-
-def _read_parquet(path: Path) -> Source:
-    source: Source = need("tactile.sources.replay_parquet", "a Parquet file").read_parquet(path)
-    return source
-
-
-def _read_mcap(path: Path) -> Source:
-    source: Source = need("tactile.recording.reader", "an MCAP recording").open_recording(path).source()
-    return source
-
-
-def _read_bag(path: Path) -> Source:
-    source: Source = need("tactile.sources.replay_rosbag", "a ROS bag").read_bag(path)
-    return source
-
-
-_READERS: dict[str, Callable[[Path], Source]] = {
-    ".toml": _read_scene, ".npz": _read_npz, ".csv": _read_csv, ".parquet": _read_parquet, ".mcap": _read_mcap,
-    ".bag": _read_bag, ".db3": _read_bag,
-}  # fmt: skip

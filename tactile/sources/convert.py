@@ -10,10 +10,11 @@ from cnnsim.support import InputError
 from cnnsim.support.exclusive_file import refuse_existing
 from cnnsim.support.files import writing
 from tactile.core.frame import Frame
-from tactile.core.source import FrameStream, Source, provenance
+from tactile.core.source import Source, with_frames
 from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tactile.sources.replay_npz import write_npz
+from tactile.sources.replay_pillars import PILLAR_PITCH, PillarStream
 from tactile.wire.extras import need
 
 
@@ -55,9 +56,7 @@ def convert(
             for _ in frames:
                 pass
         else:
-            WRITERS[suffix](
-                beside, FrameStream(opened.title, opened.arrays, opened.modulus, None, frames, provenance(opened))
-            )
+            WRITERS[suffix](beside, with_frames(opened, frames))
         if not seen.frames:
             raise InputError(f"{source}: no frames in it, at least one wanted; {target} is not written")
     notes = _assumed(source, opened)
@@ -86,28 +85,24 @@ class _Seen:
 
 def _assumed(path: Path, source: Source) -> list[str]:
     """Return a note on facts that the file does not have and its reader assumes."""
-    from tactile.sources.replay_pillars import PILLAR_PITCH, PillarReplay  # only here
-
-    if isinstance(source, PillarReplay) or path.is_dir() or path.suffix.lower() in (".bag", ".db3"):
+    if isinstance(source, PillarStream):
         return [f"{path} says neither pitch nor names: {PILLAR_PITCH * 1e3:g} mm, nominal, and names are supposed"]
     return []
 
 
 def _left_behind(path: Path, source: Source) -> list[str]:
     """Return a note on contents of the source that are not frames."""
-    left: list[str] = list(getattr(source, "others", ()))
+    left = list(source.others) if isinstance(source, PillarStream) else []
     if path.suffix.lower() == ".toml":
         left.append("the loads that it knows to be true")
         if getattr(source, "bumps", None) is not None:
             left.append("the cover's bumps (forces are located as on a flat cover)")
     if path.suffix.lower() == ".mcap":
         messages = need("tactile.recording.reader", "an MCAP recording").open_recording(path).messages
-        left += [f"{count} messages of {topic}" for topic, count in messages.items() if _is_extra(topic)]
+        left += [
+            f"{count} messages of {topic}" for topic, count in messages.items() if not topic.startswith("/frames/")
+        ]
     return [f"stays in {path}: {', '.join(left)}"] if left else []
-
-
-def _is_extra(topic: str) -> bool:
-    return not topic.startswith("/frames/")
 
 
 def _parquet(path: Path, source: Source) -> None:

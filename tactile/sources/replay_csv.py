@@ -46,29 +46,30 @@ def read_csv(path: Path) -> FrameStream:
 
 
 def _read(path: Path, lines: list[str]) -> FrameStream:
-    head = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
-    header = "\n".join(line[1:].lstrip() for line in lines[:head])
-    title, modulus, arrays, known = read_header(header, str(path), "the comment lines at the top")
-    rows = csv.reader(lines[head:])
+    start = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
+    text = "\n".join(line[1:].lstrip() for line in lines[:start])
+    head = read_header(text, str(path), "the comment lines at the top")
+    arrays = head.arrays
+    rows = csv.reader(lines[start:])
     names = next(rows, None)
     fixed = FIXED_COLUMNS if names is None or "flags" in names else FIXED_COLUMNS[:-1]
     most = max(array.rows * array.cols for array in arrays)
     count = len(fixed) + 3 * most
     if names is None or len(names) != count or names != _columns(most, fixed):
-        got = cut(lines[head]) if head < len(lines) else "the end of the file"
+        got = cut(lines[start]) if start < len(lines) else "the end of the file"
         wanted = cut(",".join(_columns(min(most, SHOWN), fixed)))
         many = "" if names is None or len(names) == count else f": {count}, not {len(names)}"
-        raise InputError(f"{path}, line {head + 1}: {got!r}, the column names {wanted!r} wanted{many}")
+        raise InputError(f"{path}, line {start + 1}: {got!r}, the column names {wanted!r} wanted{many}")
     frames: list[Frame] = []
     for row in rows:
-        where = f"{path}, line {head + rows.line_num}"
+        where = f"{path}, line {start + rows.line_num}"
         frame = _read_frame(row, arrays, fixed, where)
         if frames and frame.t < frames[-1].t:
             raise InputError(f"{where}: t_s = {frame.t} after {frames[-1].t}, frames in the order of time wanted")
         frames.append(frame)
     if not frames:
         raise InputError(f"{path}: no frames after the column names, at least one wanted")
-    return FrameStream(title, arrays, modulus, len(frames), frames, known)
+    return head.stream(frames, len(frames))
 
 
 def write_csv(path: Path, source: Source) -> None:

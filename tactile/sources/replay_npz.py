@@ -7,8 +7,6 @@ positions of these frames in the recording; and, if a device has flags, ``s0_fla
 `tactile.core.frame.FLAGS`.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,64 +15,13 @@ import numpy as np
 from cnnsim.support import InputError
 from cnnsim.support.array_files import open_npz
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
-from tactile.core.header import RecordingHeader, header_text, read_header
-from tactile.core.source import Provenance, Source
-from tactile.sources.replay_pillars import PillarReplay, read_pillars
-
-COLUMNS = {
-    "values": np.float64, "valid": np.bool_, "t_s": np.float64, "t_device_s": np.float64, "sequence": np.int64,
-    "place": np.int64,
-}  # fmt: skip
+from tactile.core.header import header_text, read_header
+from tactile.core.source import FrameStream, Source
+from tactile.sources.columns import COLUMNS, ColumnFrames, take_column
+from tactile.sources.replay_pillars import read_pillars
 
 
-@dataclass(frozen=True)
-class NpzReplay:
-    """The frames of an NPZ file with a header, as a ``Source``; ``fingers``: the columns of each."""
-
-    header: RecordingHeader
-    fingers: tuple[dict[str, Any], ...]
-
-    @property
-    def title(self) -> str:
-        """The recording's title."""
-        return self.header.title
-
-    @property
-    def modulus(self) -> float | None:
-        """Young's modulus of the cover [Pa]."""
-        return self.header.modulus
-
-    @property
-    def arrays(self) -> tuple[TaxelArray, ...]:
-        """The fingers' arrays."""
-        return self.header.arrays
-
-    @property
-    def provenance(self) -> Provenance:
-        """Origin of the frames."""
-        return self.header.provenance
-
-    @property
-    def frames(self) -> int:
-        """Number of frames over all fingers."""
-        return sum(finger["t_s"].size for finger in self.fingers)
-
-    def __repr__(self) -> str:
-        return f"NpzReplay({self.title!r}, {len(self.fingers)} fingers, {self.frames} frames)"
-
-    def __iter__(self) -> Iterator[Frame]:
-        place = np.concatenate([finger["place"] for finger in self.fingers])
-        number = np.repeat(np.arange(len(self.fingers)), [finger["t_s"].size for finger in self.fingers])
-        index = np.concatenate([np.arange(finger["t_s"].size) for finger in self.fingers])
-        order = np.argsort(place, kind="stable")
-        for f, i in zip(number[order].tolist(), index[order].tolist(), strict=True):
-            of = self.fingers[f]
-            t, device = float(of["t_s"][i]), float(of["t_device_s"][i])
-            flags = int(of["flags"][i]) if "flags" in of else 0
-            yield Frame(f, t, int(of["sequence"][i]), of["values"][i], of["valid"][i], device, flags)
-
-
-def read_npz(path: Path) -> NpzReplay | PillarReplay:
+def read_npz(path: Path) -> FrameStream:
     """Read a recording: frames with a header, or a PapillArray recording.
 
     Raises:
@@ -84,7 +31,8 @@ def read_npz(path: Path) -> NpzReplay | PillarReplay:
         if "tactile" not in file.files:
             return read_pillars(file, path)
         header = read_header(str(file["tactile"]), str(path), "array tactile")
-        return NpzReplay(header, tuple(_columns(file, n, array, path) for n, array in enumerate(header.arrays)))
+        frames = ColumnFrames([_columns(file, n, array, path) for n, array in enumerate(header.arrays)])
+    return header.stream(frames, len(frames))
 
 
 def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path: Path) -> dict[str, Any]:
@@ -92,15 +40,12 @@ def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path:
     if missing:
         raise InputError(f"{path}: {', '.join(missing)} missing, wanted for finger {array.name!r}")
     kinds = COLUMNS | ({"flags": np.int64} if f"s{number}_flags" in file.files else {})
-    out = {name: file[f"s{number}_{name}"] for name in kinds}
-    count = out["t_s"].shape[:1]
+    count = file[f"s{number}_t_s"].shape[:1]
     shapes = {"values": (*count, *array.shape, 3), "valid": (*count, *array.shape)}
-    for name, kind in kinds.items():
-        wanted = shapes.get(name, count)
-        if out[name].shape != wanted or not np.can_cast(out[name].dtype, kind, "same_kind"):
-            is_ = f"shape {out[name].shape} and type {out[name].dtype}"
-            raise InputError(f"{path}: s{number}_{name} of {is_}, {wanted} of {np.dtype(kind)} wanted")
-        out[name] = out[name].astype(kind, copy=False)
+    out = {
+        name: take_column(file, f"s{number}_{name}", shapes.get(name, count), kind, path)
+        for name, kind in kinds.items()
+    }
     if "flags" in out and not ((out["flags"] >= 0) & (out["flags"] <= MOST_FLAGS)).all():
         raise InputError(f"{path}: s{number}_flags outside of 0 to {MOST_FLAGS}, bits of flags wanted")
     if not np.isfinite(out["t_s"]).all():

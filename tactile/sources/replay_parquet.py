@@ -16,8 +16,8 @@ from pyarrow import parquet  # type: ignore[import-untyped]  # it ships no types
 from cnnsim.support import InputError
 from cnnsim.support.limits import check_plain, check_unpacked, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
-from tactile.core.header import RecordingHeader, header_text, read_header
-from tactile.core.source import Provenance, Source
+from tactile.core.header import header_text, read_header
+from tactile.core.source import FrameStream, Source
 from tactile.recording.parquet_rows import ParquetRows
 
 KEY = b"tactile"
@@ -31,28 +31,17 @@ COLUMNS = {
 }  # fmt: skip
 
 
-class ParquetReplay:
-    """The frames of a Parquet file as a ``Source``, read again each time."""
+class ParquetFrames:
+    """The frames of a Parquet file, read again each time; ``batch``: rows read at once."""
 
-    def __init__(self, path: Path, header: RecordingHeader, frames: int) -> None:
-        self._path, self.frames = path, frames
-        self.title: str = header.title
-        self.modulus: float | None = header.modulus
-        self.arrays: tuple[TaxelArray, ...] = header.arrays
-        self.provenance: Provenance = header.provenance
-
-    def __repr__(self) -> str:
-        return f"ParquetReplay({self.title!r}, {len(self.arrays)} fingers, {self.frames} frames)"
+    def __init__(self, path: Path, arrays: tuple[TaxelArray, ...], batch: int = BATCH) -> None:
+        self._path, self._arrays, self._batch = path, arrays, batch
 
     def __iter__(self) -> Iterator[Frame]:
-        return self.read(BATCH)
-
-    def read(self, batch_rows: int) -> Iterator[Frame]:
-        """Yield the frames, read in batches of rows."""
-        fingers = {array.name: number for number, array in enumerate(self.arrays)}
+        fingers = {array.name: number for number, array in enumerate(self._arrays)}
         row = 0
         with one_line(self._path, "a Parquet recording"), parquet.ParquetFile(self._path) as file:
-            for batch in file.iter_batches(batch_rows):
+            for batch in file.iter_batches(self._batch):
                 for one in batch.to_pylist():
                     row += 1
                     with one_line(self._path, f"a frame in row {row}"):
@@ -61,7 +50,7 @@ class ParquetReplay:
 
     def _frame(self, row: dict[str, Any], fingers: dict[str, int]) -> Frame:
         finger = fingers[row["finger"]]
-        shape = self.arrays[finger].shape
+        shape = self._arrays[finger].shape
         given, wanted = (len(row["values"]), len(row["valid"])), (3 * shape[0] * shape[1], shape[0] * shape[1])
         if given != wanted:
             told = " x ".join(map(str, shape))
@@ -76,7 +65,7 @@ class ParquetReplay:
         return Frame(finger, t, int(row["sequence"]), values, valid, device, flags)
 
 
-def read_parquet(path: Path) -> ParquetReplay:
+def read_parquet(path: Path) -> FrameStream:
     """Open a Parquet recording.
 
     Raises:
@@ -93,11 +82,11 @@ def read_parquet(path: Path) -> ParquetReplay:
             f"{path}: columns {', '.join(schema.names)}, {'a' if text is not None else 'no'} header; columns"
             f" {', '.join(COLUMNS)} and a header {KEY.decode()!r} in the metadata wanted"
         )
-    replay = ParquetReplay(path, read_header(text.decode(errors="replace"), str(path), "metadata tactile"), rows)
-    first = FIRST * len(replay.arrays)
-    for _ in islice(replay.read(first), first):  # before memory is allocated for the header's sizes
+    header = read_header(text.decode(errors="replace"), str(path), "metadata tactile")
+    first = FIRST * len(header.arrays)
+    for _ in islice(ParquetFrames(path, header.arrays, first), first):  # before memory is allocated for these sizes
         pass
-    return replay
+    return header.stream(ParquetFrames(path, header.arrays), rows)
 
 
 def write_parquet(path: Path, source: Source) -> None:

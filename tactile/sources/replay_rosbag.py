@@ -7,14 +7,12 @@ header, counted from the first, its sequence number (ROS 1) and its flags ``is_s
 """
 
 import json
-import math
 import os
 import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from heapq import heappop, heappush
 from importlib.util import find_spec
 from pathlib import Path
@@ -30,7 +28,7 @@ from cnnsim.support.limits import one_line
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import Provenance
 from tactile.sources.bag_process import FRAME, KIND
-from tactile.sources.replay_pillars import PILLAR_PITCH
+from tactile.sources.replay_pillars import PillarStream, pillar_array
 
 LATE = 0.5
 """[s] Largest delay of a message behind one with a later stamp."""
@@ -38,38 +36,19 @@ PATIENCE = 4.0
 """[s] Time limit for reading the index of a bag."""
 
 
-@dataclass(frozen=True)
-class BagReplay:
-    """The sensors of a bag as a ``Source`` of force frames, read again each time.
+class BagFrames:
+    """The frames of all sensors of a bag, read again each time."""
 
-    ``others``: other contents of the bag, in words; ``start_ns``: Unix time of its first frame [ns].
-    """
-
-    path: Path
-    topics: tuple[str, ...]
-    arrays: tuple[TaxelArray, ...]
-    frames: int
-    others: tuple[str, ...] = ()
-    start_ns: int | None = None
-    modulus: None = None
-
-    @property
-    def provenance(self) -> Provenance:
-        """Readings of a device, with its offsets."""
-        return Provenance(untared=True, start_ns=self.start_ns)
-
-    @property
-    def title(self) -> str:
-        """The bag's name."""
-        return self.path.stem
+    def __init__(self, path: Path, arrays: tuple[TaxelArray, ...]) -> None:
+        self._path, self._arrays = path, arrays
 
     def __iter__(self) -> Iterator[Frame]:
         waiting: list[tuple[int, int, Frame]] = []  # messages are stored in the order of arrival, not of their stamps
-        with _bag(self.path) as (about, out):
+        with _bag(self._path) as (about, out):
             start, latest = min(about["starts"]), 0.0
             for number in range(about["frames"]):
                 finger, stamp, tus, sequence, flags, pillars = FRAME.unpack(_exactly(out, FRAME.size))
-                force = np.frombuffer(_exactly(out, 24 * pillars), "<f8").reshape(*self.arrays[finger].shape, 3)
+                force = np.frombuffer(_exactly(out, 24 * pillars), "<f8").reshape(*self._arrays[finger].shape, 3)
                 valid = np.asarray(np.isfinite(force).all(-1))
                 t = (stamp - start) * 1e-9
                 frame = Frame(finger, t, sequence, force.copy(), valid, tus * 1e-6, flags)
@@ -81,7 +60,7 @@ class BagReplay:
             yield heappop(waiting)[2]
 
 
-def read_bag(path: Path) -> BagReplay:
+def read_bag(path: Path) -> PillarStream:
     """Find the sensors in a bag: a .bag file, a .db3 file or the folder of a ROS 2 bag.
 
     Raises:
@@ -92,14 +71,12 @@ def read_bag(path: Path) -> BagReplay:
         pass
     if not about["topics"]:
         raise InputError(f"{path}: messages of {', '.join(about['kinds']) or 'no kind'}; {KIND} with pillars wanted")
-    arrays = []
-    for topic, pillars in zip(about["topics"], about["pillars"], strict=True):
-        side = math.isqrt(pillars)
-        if side == 0 or side * side != pillars:
-            raise InputError(f"{path}: topic {topic} has {pillars} pillars, a square number wanted")
-        arrays.append(TaxelArray(_finger(topic), side, side, PILLAR_PITCH, 0.0, quantity="force"))
-    topics, others = tuple(about["topics"]), tuple(about["others"])
-    return BagReplay(folder, topics, tuple(arrays), about["frames"], others, min(about["starts"]))
+    arrays = tuple(
+        pillar_array(_finger(topic), pillars, f"{path}: topic {topic}")
+        for topic, pillars in zip(about["topics"], about["pillars"], strict=True)
+    )
+    known, others = Provenance(untared=True, start_ns=min(about["starts"])), tuple(about["others"])
+    return PillarStream(folder.stem, arrays, None, about["frames"], BagFrames(folder, arrays), known, others=others)
 
 
 def _finger(topic: str) -> str:

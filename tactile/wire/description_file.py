@@ -50,9 +50,10 @@ from tactile.core.frame import TaxelArray
 from tactile.thresholds.choices import take_choices
 from tactile.wire.base import Options
 from tactile.wire.description import Board, Description
-from tactile.wire.registry import find_format
+from tactile.wire.registry import Format, find_format
 
-TOP_KEYS = ("title", "protocol", "baudrate", "youngs_modulus_mpa", "options", "thresholds", "finger")
+MODULUS = "youngs_modulus_mpa"
+TOP_KEYS = ("title", "protocol", "baudrate", MODULUS, "options", "thresholds", "finger")
 FINGER_KEYS = (
     "name", "rows", "cols", "pitch_mm", "depth_mm", "thickness_mm", "origin_mm", "quantity", "axes", "gains", "cells",
 )  # fmt: skip
@@ -87,29 +88,24 @@ def parse_description(text: str, where: str) -> Description:
     refuse_other_kind(table, where, "array description")
     faults = ErrorList(where)
     faults.check(table, TOP_KEYS, "", ("protocol", "finger"))
-    fingers = table.get("finger", [])
-    for number, finger in enumerate(fingers if isinstance(fingers, list) else [], 1):
-        faults.check(finger, FINGER_KEYS, f"finger {number}", NEEDED)
-        with faults.collecting():
-            if isinstance(finger, dict):
-                _board(finger, f"{where}: finger {number}")
+    boards = []
+    with faults.collecting():
+        for number, finger in enumerate(take_tables(table, "finger", where), 1):
+            faults.check(finger, FINGER_KEYS, f"finger {number}", NEEDED)
+            with faults.collecting():
+                boards.append(_board(finger, f"{where}: finger {number}"))
     thresholds = take_choices(table.get("thresholds", {}), faults, "[thresholds]")
-    with faults.collecting(), located(table, "protocol"):
-        find_format(take(table, "protocol", str, where))
-    for key, kind in (("title", str), ("options", dict)):
-        with faults.collecting():
-            take(table, key, kind, where, kind())
-    for key, read in (("baudrate", take_count), ("youngs_modulus_mpa", take_positive)):
-        with faults.collecting():
-            if key in table:
-                read(table, key, where)
+    with faults.collecting():
+        wire, title, extra, baudrate, modulus = read_all(
+            where,
+            lambda: _format(table, where),
+            lambda: take(table, "title", str, where, ""),
+            lambda: take(table, "options", dict, where, {}),
+            lambda: take_count(table, "baudrate", where) if "baudrate" in table else 0,
+            lambda: take_positive(table, MODULUS, where) * 1e6 if MODULUS in table else None,
+        )
     faults.raise_all()
-    wire = find_format(take(table, "protocol", str, where))
-    extra = take(table, "options", dict, where, {})
     check_keys(extra, wire.keys, f"{where}: [options] of {wire.name}")
-    boards = tuple(
-        _board(finger, f"{where}: finger {n}") for n, finger in enumerate(take_tables(table, "finger", where), 1)
-    )
     names = [board.array.name for board in boards]
     if not names or len(set(names)) < len(names):
         raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
@@ -119,12 +115,17 @@ def parse_description(text: str, where: str) -> Description:
             f"{where}: [thresholds]: levels for fingers of {' and '.join(quantities)}; fingers of one quantity,"
             f" or sigmas alone wanted, because levels have one unit{line_of(table['thresholds'])}"
         )
-    baudrate = take(table, "baudrate", int, where, wire.baudrate)
-    modulus = take(table, "youngs_modulus_mpa", float, where) * 1e6 if "youngs_modulus_mpa" in table else None
     options = Options(tuple(_wire_shape(board) for board in boards), extra)
     wire.decoder(options)  # reports wrong options now
-    title = take(table, "title", str, where, wire.summary)
-    return Description(title, wire, baudrate, modulus, options, boards, text, thresholds)
+    return Description(
+        title or wire.summary, wire, baudrate or wire.baudrate, modulus, options, tuple(boards), text, thresholds
+    )
+
+
+def _format(table: dict[str, Any], where: str) -> Format:
+    name = take(table, "protocol", str, where)
+    with located(table, "protocol"):
+        return find_format(name)
 
 
 def default_description(protocol: str) -> Description:

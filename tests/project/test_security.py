@@ -12,9 +12,7 @@ from tests.kits.paths import ROOT
 FILES = sorted(path for folder in ("cnnsim", "tactile") for path in (ROOT / folder).rglob("*.py"))
 ALLOWED = {
     "cnnsim/support/extras.py": {"urllib"},  # taking an address apart
-    "tactile/serial/reader.py": {"socket"}, "tactile/serial/drain.py": {"socket"},  # pairs, between two processes
-    "tactile/serial/drained.py": {"socket"},
-}  # fmt: skip
+}
 REFUSED = {"pickle", "shelve", "marshal", "socket", "socketserver", "http", "urllib", "requests", "ftplib", "smtplib"}
 
 

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
+from cnnsim.start import end_at_once, raise_again
 from cnnsim.support import InputError
 from cnnsim.support.terminal import console as screen
 from cnnsim.support.terminal import echo
@@ -31,6 +32,19 @@ def warm_up(description: "Description", options: "LiveOptions") -> "list[Finger]
     settings = options.settings(WireSource(description, ()), options.skin)
     pipeline.warm_up(description.arrays, description.modulus, settings)
     return pipeline.make_fingers(description.arrays, description.modulus, settings)
+
+
+@contextlib.contextmanager
+def ends_at_once() -> Iterator[None]:
+    """Let Ctrl-C end the program at once inside the block, while nothing is open, unless it is handled already."""
+    if threading.current_thread() is not threading.main_thread():  # signals reach only that one
+        yield
+        return
+    end_at_once()
+    try:
+        yield
+    finally:
+        raise_again()
 
 
 @contextlib.contextmanager

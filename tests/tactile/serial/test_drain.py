@@ -125,7 +125,7 @@ def test_the_drain_ends_with_its_reader() -> None:
     drain = Drained()
     process = drain._process
     assert process.poll() is None
-    drain._socket.close()
+    drain._link.close()
     assert process.wait(timeout=LIMIT) == 0
     assert CAPACITY > 60 * 1000 * 800  # a minute of 64 taxels
 

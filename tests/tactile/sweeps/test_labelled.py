@@ -6,7 +6,7 @@ import pytest
 
 from cnnsim.support import InputError
 from cnnsim.sweep.spec import read_sweep
-from tactile.cli.sweep import KINDS
+from tactile.cli.group import SWEEPS
 from tactile.sources.convert import convert
 from tactile.sweeps.labelled import check, options_of, run
 from tests.kits.touch.source import SCENE
@@ -33,7 +33,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_thresholds_decide_what_is_found(folder: Path) -> None:
-    sweep = read_sweep(folder / "s.toml", KINDS)
+    sweep = read_sweep(folder / "s.toml", SWEEPS)
     low, other, high, _ = run([sweep.case(number) for number in range(4)])
     assert (low["contact_recall"], high["contact_recall"]) == (1.0, 0.0)
     assert low["contact_hit"] == other["contact_hit"] == 1

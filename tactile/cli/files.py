@@ -1,13 +1,14 @@
-"""Command `new`: writes a commented, runnable file of a scene, an array description or a detector."""
+"""Commands that write files: convert, new."""
 
 from pathlib import Path
 
 import click
 
-from cnnsim.support.command_line import examples
+from cnnsim.support.command_line import examples, watched
 from cnnsim.support.files import check_name, write_text
 from cnnsim.support.terminal import echo
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
+from tactile.cli.options import FILE
 
 
 @click.command(
@@ -40,3 +41,29 @@ def new(kind: str, name: str, output: Path, replace: bool) -> None:
     else:
         echo(f"to read a board: tactile live -p PORT -a {path}; PORT is one of `tactile ports`")
         echo(f"without one: tactile emulate --array {path} --scene SCENE.toml prints a port")
+
+
+@click.command(
+    epilog=examples(
+        "tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap",
+        "tactile convert examples/scenes/grip.toml grip.npz",
+    )
+)  # fmt: skip
+@click.argument("source", type=FILE)
+@click.argument("target", type=FILE)
+@click.option("--replace", is_flag=True, help="Write over TARGET if it is there already.")
+def convert(source: Path, target: Path, replace: bool) -> None:
+    """Convert recordings and scenes to another file format.
+
+    The frames of SOURCE are written to TARGET (.csv, .npz, .parquet, .mcap) without loss.
+
+    SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder)
+    or a scene (.toml). What TARGET cannot hold is said on stderr.
+    """
+    from tactile.sources.convert import convert as write  # imported when used
+
+    there = target.exists()
+    done = write(source, target, replace, lambda frames, total: watched(frames, "frames", total))
+    for note in done.notes:
+        echo(note, err=True)
+    echo(f"wrote {done.frames} frames to {target}{', replacing what was there' * there}")
