@@ -135,19 +135,13 @@ def unpack_frame(message: bytes) -> Frame:
     """
     body = message[len(HEAD) :]
     t, t_device, sequence, finger, flags, rows, cols = FIXED.unpack_from(body)
-    at, wanted = FIXED.size + COUNT.size, _frame_bytes(rows * cols)
+    taxels, at = rows * cols, FIXED.size + COUNT.size
+    start = at + taxels  # of the values, after their count
+    start += -start % 4 + COUNT.size
+    start += -start % 8
+    wanted = len(HEAD) + start + taxels * 3 * 8
     if len(message) != wanted:
         raise ValueError(f"a frame of {len(message)} bytes says {rows} x {cols} taxels, which take {wanted}")
-    valid = np.frombuffer(body, np.uint8, rows * cols, at).astype(bool).reshape(rows, cols)
-    at += rows * cols
-    at += -at % 4 + COUNT.size
-    at += -at % 8
-    values = np.frombuffer(body, "<f8", rows * cols * 3, at).astype(np.float64).reshape(rows, cols, 3)
+    valid = np.frombuffer(body, np.uint8, taxels, at).astype(bool).reshape(rows, cols)
+    values = np.frombuffer(body, "<f8", taxels * 3, start).astype(np.float64).reshape(rows, cols, 3)
     return Frame(finger, t, sequence, values, valid, t_device, flags)
-
-
-def _frame_bytes(taxels: int) -> int:
-    """Return the length of a Frame message."""
-    at = FIXED.size + COUNT.size + taxels
-    at += -at % 4 + COUNT.size
-    return len(HEAD) + at + -at % 8 + taxels * 3 * 8

@@ -25,8 +25,8 @@ from tactile.wire.formats.papillarray.packet import (
     START,
     WHOLE,
     Packet,
-    PacketReader,
     WrongPacketError,
+    read_packet,
 )
 from tactile.wire.registry import Format
 
@@ -48,7 +48,6 @@ class PapillarrayDecoder(Decoder):
         self._taxels = options.taxels
         self._longest = max(LONGEST, 2 * _packet_size(options))
         self._searched = 0  # end markers before this position have been tried
-        self._read_packet = PacketReader()
         self._order: int | None = None
         self._entry: int | None = None
 
@@ -89,7 +88,7 @@ class PapillarrayDecoder(Decoder):
 
     def _packet(self, payload: bytes) -> Packet | None:
         try:
-            return self._read_packet(payload)
+            return read_packet(payload)
         except WrongPacketError:
             return None
 

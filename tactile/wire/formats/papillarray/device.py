@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cnnsim.support import Floats
 from tactile.wire.base import Encoder, Options, Taxels
 from tactile.wire.device_tare import DeviceTare
 from tactile.wire.formats.papillarray.packet import END, HUB, PILLAR, START, WHOLE
@@ -33,7 +34,6 @@ class PapillarrayEncoder(Encoder):
         self._tare, self._slip = DeviceTare(BIAS), True
         self._received = bytearray()
         self._period, self._due, self._left_out = 0.0, -math.inf, 0
-        self._forms: dict[tuple[tuple[int, int], bool], Form] = {}
 
     def receive(self, data: bytes) -> bytes:
         """Obey the lines that are complete; the hub answers nothing."""
@@ -57,44 +57,30 @@ class PapillarrayEncoder(Encoder):
             return b""
         self._due = (self._due if t_device - self._due < self._period else t_device) + self._period
         counter = (sequence - self._left_out) % 2**32
-        shape, order = (len(boards), len(boards[0])), int(self._displacement_first)
-        form = self._forms.get((shape, self._slip))
-        if form is None:
-            form = self._forms[shape, self._slip] = Form(*shape, self._entry, self._slip)
-        values = np.array(boards)
-        HUB.pack_into(form.payload, form.hub, counter, round(t_device * 1e6))
-        form.triples[:, :, order], form.triples[:, :, 1 - order] = values, values / 10
-        form.force[:] = values.sum(1)
-        payload = bytes(form.payload)
+        payload = self._payload(HUB.pack(counter, round(t_device * 1e6)), np.array(boards))
         return START + payload + struct.pack("<H", sum(payload) & 0xFFFF) + END
 
-
-class Form:
-    """A payload of so many sensors of so many pillars, and where in it the numbers go that change.
-
-    ``hub`` the place of counter and time; ``triples`` (sensors, pillars, 2, 3), ``force`` (sensors, 3): views.
-    """
-
-    def __init__(self, sensors: int, pillars: int, entry: bytes, slip: bool) -> None:
-        state = IN_CONTACT if slip else INELIGIBLE
-        pillar, whole = np.zeros((), PILLAR), np.zeros((), WHOLE)
-        pillar["kind"], whole["kind"], whole["torque"] = 2, 2, (1, 2, 3)
-        each = _nested([pillar.tobytes()] * pillars)
-        slips = _nested([b"\x01\x00" + struct.pack("<bf", state, -1.0)] * pillars)
-        grip = entry + struct.pack("<bff", 2 if slip else 0, 0.5, -1.0)
-        blocks = {1: bytes(HUB.size), 3: _nested([each] * sensors), 4: _nested([whole.tobytes()] * sensors),
-                  5: _nested([slips] * sensors), 6: _nested([grip] * sensors)}  # fmt: skip
-        at, table, places = 1 + 4 * len(blocks) + 2, b"\x02", {}
+    def _payload(self, hub: bytes, values: Floats) -> bytes:
+        """Return the payload for (sensors, pillars, 3) forces."""
+        sensors, order = len(values), int(self._displacement_first)
+        pillars, whole = np.zeros(values.shape[:2], PILLAR), np.zeros(sensors, WHOLE)
+        pillars["kind"], whole["kind"], whole["torque"] = 2, 2, (1, 2, 3)
+        pillars["triples"][:, :, order], pillars["triples"][:, :, 1 - order] = values, values / 10
+        whole["force"] = values.sum(1)
+        slip = struct.pack("<Hbf", 1, IN_CONTACT if self._slip else INELIGIBLE, -1.0)
+        grip = self._entry + struct.pack("<bff", 2 if self._slip else 0, 0.5, -1.0)
+        blocks = {
+            1: hub,
+            3: _nested([_nested([one.tobytes() for one in sensor]) for sensor in pillars]),
+            4: _nested([one.tobytes() for one in whole]),
+            5: _nested([_nested([slip] * pillars.shape[1])] * sensors),
+            6: _nested([grip] * sensors),
+        }
+        at, table = 1 + 4 * len(blocks) + 2, b"\x02"
         for kind, block in blocks.items():
-            table, places[kind] = table + struct.pack("<HH", kind, at), at
+            table += struct.pack("<HH", kind, at)
             at += len(block)
-        self.payload = bytearray(table + b"\0\0" + b"".join(blocks.values()))
-        self.hub, heads = places[1], 2 + 2 * sensors
-        self.triples = np.ndarray(
-            (sensors, pillars, 2, 3), "<f4", self.payload, places[3] + heads + 2 + 2 * pillars + 2,
-            (len(each), PILLAR.itemsize, 12, 4),
-        )  # fmt: skip
-        self.force = np.ndarray((sensors, 3), "<f4", self.payload, places[4] + heads + 2, (WHOLE.itemsize, 4))
+        return table + b"\0\0" + b"".join(blocks.values())
 
 
 def _nested(entries: list[bytes]) -> bytes:

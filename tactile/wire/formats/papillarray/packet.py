@@ -17,9 +17,9 @@ Sources: PTSCOM 2.0 specification (Contactile, September 2022); contactile-papil
 
 import struct
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.support import Floats
 
@@ -28,7 +28,6 @@ PILLAR = np.dtype([("kind", "<u2"), ("triples", "<f4", (2, 3))])
 WHOLE = np.dtype([("kind", "<u2"), ("force", "<f4", 3), ("torque", "<f4", 3)])
 HUB = struct.Struct("<IQ")
 WIDTHS = {1: "B", 2: "H", 4: "I"}
-Places = NDArray[np.intp]
 Span = tuple[int, int]
 """The places of a block in the payload: from, up to."""
 
@@ -52,77 +51,28 @@ class Packet:
     entry: int | None
 
 
-@dataclass(frozen=True)
-class Layout:
-    """Byte positions in payloads of one structure; a device always sends the same, so it is found once.
+def read_packet(payload: bytes) -> Packet:
+    """Return the contents of a payload.
 
-    ``fixed`` positions of the bytes equal in all of them: table, counts, offsets and types of the blocks; ``told``
-    these bytes.
+    Raises:
+        WrongPacketError: a table, a count or a block that does not fit.
     """
-
-    length: int
-    fixed: Places
-    told: bytes
-    hub: int
-    triples: Places
-    force: Places | None
-    entry: int | None
-    entry_open: bool
-
-    def fits(self, payload: bytes, data: NDArray[np.uint8]) -> bool:
-        """Return whether a payload has this structure."""
-        return len(payload) == self.length and data.take(self.fixed).tobytes() == self.told and not self.entry_open
-
-    def read(self, payload: bytes, data: NDArray[np.uint8]) -> Packet:
-        """Return the contents of a payload of this structure."""
-        counter, micros = HUB.unpack_from(payload, self.hub)
-        triples = data.take(self.triples).view("<f4")[..., 0].astype(np.float64)
-        force = None if self.force is None else data.take(self.force).view("<f4")[..., 0].astype(np.float64)
-        return Packet(counter, micros, triples, force, self.entry)
+    try:
+        width, blocks = _blocks(payload)
+        hub, end = blocks[1]
+        if end - hub < HUB.size:
+            raise WrongPacketError(f"a hub's block of {end - hub} bytes; {HUB.size} wanted")
+        counter, micros = HUB.unpack_from(payload, hub)
+        triples = _pillars(payload, blocks[3], width)
+        force = _whole(payload, blocks[4], width) if 4 in blocks else None
+        entry = _entry(payload[slice(*blocks[6])], width) if 6 in blocks else None
+    except (struct.error, ValueError, KeyError, IndexError) as error:
+        raise WrongPacketError(str(error)) from error
+    return Packet(counter, micros, triples, force, entry)
 
 
-class PacketReader:
-    """Reads payloads one after another."""
-
-    def __init__(self) -> None:
-        self._layout: Layout | None = None
-
-    def __call__(self, payload: bytes) -> Packet:
-        """Return the contents of a payload.
-
-        Raises:
-            WrongPacketError: a table, a count or a block that does not fit.
-        """
-        data = np.frombuffer(payload, np.uint8)
-        if self._layout is None or not self._layout.fits(payload, data):
-            try:
-                self._layout = _lay_out(payload, data)
-            except (struct.error, ValueError, KeyError, IndexError) as error:
-                raise WrongPacketError(str(error)) from error
-        return self._layout.read(payload, data)
-
-
-def _lay_out(payload: bytes, data: NDArray[np.uint8]) -> Layout:
-    width, table, blocks = _blocks(payload)
-    hub, end = blocks[1]
-    if end - hub < HUB.size:
-        raise WrongPacketError(f"a hub's block of {end - hub} bytes; {HUB.size} wanted")
-    triples, last = _pillars(payload, blocks[3], width)
-    force, whole = _whole(payload, blocks[4], width) if 4 in blocks else (None, 0)
-    fixed = np.zeros(len(payload), bool)
-    fixed[:table] = fixed[blocks[3][0] : last] = True
-    if force is not None:
-        fixed[blocks[4][0] : whole] = True
-        fixed[force] = fixed[force + 3 * 4] = False  # forces and torques
-    fixed[triples] = False
-    entry = _entry(payload[slice(*blocks[6])], width) if 6 in blocks else None
-    places = np.flatnonzero(fixed)
-    told = data[places].tobytes()
-    return Layout(len(payload), places, told, hub, triples, force, entry, 6 in blocks and entry is None)
-
-
-def _blocks(payload: bytes) -> tuple[int, int, dict[int, Span]]:
-    """Return the width of offsets, the length of the table, and where each kind of block is."""
+def _blocks(payload: bytes) -> tuple[int, dict[int, Span]]:
+    """Return the width of offsets, and where each kind of block is."""
     width = payload[0]
     entry = struct.Struct("<H" + WIDTHS[width])
     found, at = {}, 1
@@ -133,12 +83,13 @@ def _blocks(payload: bytes) -> tuple[int, int, dict[int, Span]]:
     ends = [*sorted(found.values()), len(payload)]
     if min(ends) < at + 2 or max(ends) > len(payload):
         raise WrongPacketError(f"blocks from {min(ends)} to {max(ends)} in {len(payload)} bytes")
-    return width, at + 2, {kind: (start, ends[ends.index(start) + 1]) for kind, start in found.items()}
+    return width, {kind: (start, ends[ends.index(start) + 1]) for kind, start in found.items()}
 
 
-def _pillars(payload: bytes, span: Span, width: int) -> tuple[Places, int]:
-    """Return the place of every byte of the triples, (sensors, pillars, 2, 3, 4), and where the last one ends."""
-    (start, end), starts, counts = span, [], []
+def _pillars(payload: bytes, span: Span, width: int) -> Floats:
+    """Return (sensors, pillars, 2, 3) triples."""
+    start, end = span
+    tables: list[Any] = []
     (sensors,) = _number(payload, start, end)
     at = start + 2 + sensors * width
     for _ in range(sensors):
@@ -146,26 +97,26 @@ def _pillars(payload: bytes, span: Span, width: int) -> tuple[Places, int]:
         at += 2 + pillars * width
         if at + pillars * PILLAR.itemsize > end:
             raise WrongPacketError(f"{pillars} pillars in {end - at} bytes")
-        starts += [at + n * PILLAR.itemsize for n in range(pillars)]
-        counts.append(pillars)
+        tables.append(np.frombuffer(payload, PILLAR, pillars, at))
         at += pillars * PILLAR.itemsize
-    if any(_number(payload, place, end) != (2,) for place in starts):
+    if not sensors or len({len(table) for table in tables}) > 1:
+        raise WrongPacketError(f"{sensors} sensors, with {[len(table) for table in tables]} pillars")
+    whole = np.stack(tables)
+    if (whole["kind"] != 2).any():
         raise WrongPacketError("an entry of the pillars' block is no pillar")
-    if not sensors or len(set(counts)) > 1:
-        raise WrongPacketError(f"{sensors} sensors, with {counts} pillars")
-    within = 2 + np.arange(2 * 3 * 4).reshape(2, 3, 4)
-    return np.array(starts, np.intp).reshape(sensors, counts[0], 1, 1, 1) + within, at
+    triples: Floats = whole["triples"].astype(np.float64)
+    return triples
 
 
-def _whole(payload: bytes, span: Span, width: int) -> tuple[Places, int]:
-    """Return the place of every byte of the sensors' forces, (sensors, 3, 4), and where the last sensor ends."""
+def _whole(payload: bytes, span: Span, width: int) -> Floats:
+    """Return (sensors, 3) forces of whole sensors."""
     start, end = span
     (sensors,) = _number(payload, start, end)
     at = start + 2 + sensors * width
-    last = at + sensors * WHOLE.itemsize
-    if last > end:
+    if at + sensors * WHOLE.itemsize > end:
         raise WrongPacketError(f"{sensors} sensors in {end - at} bytes")
-    return at + np.arange(sensors).reshape(-1, 1, 1) * WHOLE.itemsize + 2 + np.arange(3 * 4).reshape(3, 4), last
+    force: Floats = np.frombuffer(payload, WHOLE, sensors, at)["force"].astype(np.float64)
+    return force
 
 
 def _number(payload: bytes, at: int, end: int) -> tuple[int]:
