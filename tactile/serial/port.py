@@ -2,8 +2,6 @@
 
 import contextlib
 import errno
-import os
-import select
 from typing import TYPE_CHECKING
 
 from cnnsim.support import InputError
@@ -12,9 +10,6 @@ from tactile.wire.extras import need
 if TYPE_CHECKING:
     import serial
 
-MOST = 65536
-FULL = 4000
-"""Bytes per read of a terminal that has more."""
 CURES = {
     errno.ENOENT: "there is no such port: is the device plugged in? `tactile ports` lists the ports there are",
     errno.ENODEV: "the device behind it is gone: plug it in again",
@@ -60,28 +55,6 @@ def open_port(name: str, baudrate: int) -> "serial.Serial":
     with contextlib.suppress(OSError, ValueError, NotImplementedError):  # not all drivers have it
         port.set_low_latency_mode(True)  # USB adapters wait 16 ms for more bytes otherwise
     return port
-
-
-def take(port: "serial.Serial", timeout: float) -> bytes:
-    """Return all available bytes; wait up to ``timeout`` [s] for the first.
-
-    Uses two system calls where pyserial uses five; each one may cost this thread its turn with the interpreter.
-
-    Raises:
-        OSError: the port is gone.
-    """
-    if not hasattr(port, "fileno"):  # Windows
-        data = port.read(1)
-        return data + port.read(port.in_waiting) if data else data
-    file, data = port.fileno(), b""
-    while select.select([file], [], [], 0 if data else timeout)[0]:
-        piece = os.read(file, MOST)
-        if not piece:
-            raise OSError(errno.EIO, "the device is gone")
-        data += piece
-        if len(piece) < FULL or len(data) > MOST:
-            break
-    return data
 
 
 def _configured(text: str) -> str:

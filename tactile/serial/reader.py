@@ -14,7 +14,7 @@ from cnnsim.support import InputError
 from tactile.core.epoch import Epoch
 from tactile.serial.drain import DATA, DROPPED, GONE
 from tactile.serial.drained import Drained
-from tactile.serial.port import open_port, take
+from tactile.serial.port import open_port
 from tactile.wire.base import Talk
 from tactile.wire.source import FORCED_TARE, PLUGGED, TARE, UNPLUGGED, Chunk
 
@@ -162,7 +162,7 @@ class PortReader:
     def _read_here(self) -> None:
         """Read in this thread where a port cannot be passed to another process."""
         port, talk = self._port, self._talk
-        wait = min(WAIT, talk.period) if talk.poll else WAIT
+        port.timeout = min(WAIT, talk.period) if talk.poll else WAIT
         if talk.hello:
             port.write(talk.hello)
         asked = 0
@@ -170,8 +170,8 @@ class PortReader:
             if talk.poll and time.monotonic_ns() - asked >= talk.period * 1e9:
                 asked = time.monotonic_ns()
                 port.write(talk.poll)
-            data = take(port, wait)
-            self._hand_on([Chunk(self.now(), data)] if data else [])
+            data = port.read(1)
+            self._hand_on([Chunk(self.now(), data + port.read(port.in_waiting))] if data else [])
 
     def _reopen(self) -> None:
         pause = FIRST_PAUSE

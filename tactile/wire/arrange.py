@@ -21,7 +21,6 @@ class Arrange:
     def __init__(self, description: Description) -> None:
         self._boards = description.boards
         self._chips = [board.chips for board in self._boards]
-        self._in_order = [np.array_equal(board.cells.ravel(), np.arange(board.cells.size)) for board in self._boards]
         self._counts = [0] * len(self._boards)
 
     def __call__(self, reading: Reading, t: float) -> Iterator[Frame]:
@@ -39,10 +38,7 @@ class Arrange:
         turned = taxels @ board.turn.T
         if board.gains is not None:
             turned = board.gains(turned)
-        if self._in_order[finger]:
-            values = turned.reshape(*board.cells.shape, 3)
-        else:
-            values = np.concatenate((turned, NOTHING))[board.cells]  # cell -1 is the row at the end
+        values = np.concatenate((turned, NOTHING))[board.cells]  # cell -1 is the row at the end
         valid = np.logical_and.reduce(np.isfinite(values), axis=-1)
         sequence = self._counts[finger] if reading.sequence is None else reading.sequence
         self._counts[finger] += 1

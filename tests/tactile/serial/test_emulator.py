@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
-from tactile.serial.port import open_port, take
+from tactile.serial.port import open_port
 from tactile.wire.base import Options
 from tactile.wire.formats.papillarray.decoder import FORMATS
 from tactile.wire.formats.paxini import packet as px
@@ -29,13 +29,13 @@ def told(protocol: str, *said: bytes, pause: float = 0.25) -> list[bytes]:
         open_port(emulator.port, 115200) as port,
     ):
         until = time.monotonic() + 10
-        while not take(port, 0.1) and not encoder.polled and time.monotonic() < until:
+        while not port.read(1) and not encoder.polled and time.monotonic() < until:
             pass
         for one in said:
             port.write(one)
             begun, data = time.monotonic(), b""
             while time.monotonic() < begun + pause:
-                data += take(port, 0.02)
+                data += port.read(max(1, port.in_waiting))
             received.append(data)
     return received
 
