@@ -24,7 +24,7 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
     """
     settling, every = plan.duration == "settled", plan.check_every
     pace, rate = Pace(plan, stepper.work, stepper.together, FEW), math.nan
-    for first, count in [(0, plan.steps)] if spans is None else spans:
+    for first, count in [(0, plan.steps)] if spans is None else list(spans) or [(0, 0)]:
         stepper.start_span(first)
         step, end = first, first + count
         while step < end:

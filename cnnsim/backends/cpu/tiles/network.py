@@ -119,7 +119,7 @@ class TermNetwork(Network):
     def spans(self) -> list[tuple[int, int]]:
         """Return (first step, steps) of the spans in which input and bias stay the same."""
         plan = self.plan
-        return list(spans(plan.steps, plan.step, delays_of(self._network), self._u, self._bias)) or [(0, 0)]
+        return list(spans(plan.steps, plan.step, delays_of(self._network), self._u, self._bias))
 
     def start_span(self, number: int) -> None:
         """Use input and bias of step ``number`` from now on."""
