@@ -48,7 +48,7 @@ PATH = [[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]
 
 @pytest.mark.parametrize(("wrong", "message"), [
     (lambda: DOOR.TaxelArray("a", 3.5, 5, 1e-3, 1e-3), "3.5 x 5 taxels"),
-    (lambda: DOOR.TaxelArray("a", "3", 5, 1e-3, 1e-3), "two whole numbers and two lengths"),
+    (lambda: DOOR.TaxelArray("a", "3", 5, 1e-3, 1e-3), "two integers and two lengths"),
     (lambda: DOOR.TaxelArray("a", 3, 5, "x", 1e-3), "pitch 'x'"),
     (lambda: DOOR.TaxelArray(1, 3, 5, 1e-3, 1e-3), "taxel array 1"),
     (lambda: DOOR.Settings(window="x"), "window 'x'; a whole number of frames wanted"),
