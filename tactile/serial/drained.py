@@ -1,6 +1,7 @@
 """Drained port: starts the drain process of a serial port, passes it the port, and receives its records."""
 
 import contextlib
+import select
 import subprocess
 import sys
 from multiprocessing import Pipe
@@ -24,6 +25,8 @@ class Drained:
     def __init__(self) -> None:
         self.over = False
         self._link, theirs = Pipe()
+        self._ready = select.poll()  # quicker than the connection's own poll
+        self._ready.register(self._link.fileno(), select.POLLIN)
         with theirs:
             # its own session: no signals of the terminal, and its own share of the processors
             self._process = subprocess.Popen(
@@ -41,7 +44,7 @@ class Drained:
         """Return the available records (kind, time [ns], bytes); wait up to ``timeout`` [s] for the first."""
         records: list[tuple[int, int, bytes]] = []
         try:
-            while len(records) < MOST and self._link.poll(0 if records else timeout):
+            while len(records) < MOST and self._ready.poll(0 if records else 1e3 * timeout):
                 record = self._link.recv_bytes()
                 records.append((*drain.RECORD.unpack_from(record), record[drain.RECORD.size :]))
         except (EOFError, OSError):

@@ -73,19 +73,14 @@ class PushDecoder(PaxiniDecoder):
         self._longest = px.longest(self._bytes)
 
     def _length(self, head: bytes) -> int | None:
-        if len(head) < 3:
+        reply = head[:2] == px.REPLY
+        if len(head) < (8 if reply else 5):
             return 0
         if head[2] != 0:
             return None
-        if head[:2] == px.REPLY:
-            if len(head) < 4 or head[3] & 0x7F not in (px.READ, px.WRITE, px.CALIBRATE):
-                return 0 if len(head) < 4 else None
-            if len(head) < 8:
-                return 0
-            (dlen,) = struct.unpack_from("<H", head, 6)
-            return dlen + 9 if dlen <= 512 else None
-        if len(head) < 5:
-            return 0
+        if reply:
+            _, function, _, dlen = px.FAST.unpack_from(head, 2)
+            return dlen + 9 if function & 0x7F in (px.READ, px.WRITE, px.CALIBRATE) and dlen <= 512 else None
         (length,) = struct.unpack_from("<H", head, 3)
         return length + 6 if 1 <= length <= self._longest else None
 
