@@ -1,10 +1,14 @@
-"""Optional dependencies: the pip command that installs an extra, from a checkout, a wheel or an index."""
+"""Optional dependencies: import, and the pip command that installs an extra, from a checkout, a wheel or an index."""
 
+import importlib
 import json
 import re
 from pathlib import Path
 from shlex import quote
+from types import ModuleType
 from urllib.parse import unquote, urlsplit
+
+from cnnsim.support.errors import InputError
 
 PACKAGE = "cellular-wave-touch"
 
@@ -26,6 +30,18 @@ def install_line(extra: str) -> str:
         return _from(Path(unquote(url.path)), extra, editable=origin.get("dir_info", {}).get("editable", False))
     wanted = [line.split(";")[0].strip() for line in found.requires or () if re.search(rf"extra == .{extra}\b", line)]
     return "pip install " + " ".join(map(quote, wanted))
+
+
+def need(module: str, what: str, extra: str = "serial") -> ModuleType:
+    """Import a module that ``what`` needs.
+
+    Raises:
+        InputError: a library of the extra is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        raise InputError(f"{what} needs {error.name}, which is not installed: {install_line(extra)}") from error
 
 
 def _from(place: Path, extra: str, *, editable: bool) -> str:

@@ -13,7 +13,7 @@ from tactile.cli.opened import RunChoices, gains_of, open_for_run
 from tactile.cli.options import FILE, JSON, TareChoice, check_thresholds, detection
 from tactile.core.source import Source, with_frames
 from tactile.settings import PipelineOptions
-from tactile.sources.folder import is_folder_of_recordings
+from tactile.sources import is_folder_of_recordings
 from tactile.wire.base import Counts
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import cnnsim
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json, watched
+from cnnsim.support.extras import need
 from cnnsim.support.terminal import echo, say_table
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
@@ -17,9 +18,8 @@ from tactile.output.event_table import TOLD, UNITS, event_row, write_events
 from tactile.output.invalid_readings import InvalidReadings
 from tactile.output.json_data import settings_data
 from tactile.pipeline import FrameReport
-from tactile.sources.folder import recordings_in
+from tactile.sources import recordings_in
 from tactile.thresholds.levels import Levels
-from tactile.wire.extras import need
 
 
 @dataclass

@@ -15,8 +15,7 @@ from tactile.materials.slide_file import blocks, is_slide_file, read_slide_file
 from tactile.materials.slide_labels import SlideLabel
 from tactile.pipeline import FrameReport
 from tactile.settings import Settings
-from tactile.sources import is_bag, open_source
-from tactile.sources.folder import recordings_in
+from tactile.sources import is_bag, open_source, recordings_in
 
 PRESSED = 0.2
 """Part of the firm load above which a finger is pressed: a slide lasts from the first to the last such time."""

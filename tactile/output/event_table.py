@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.support.extras import need
 from cnnsim.support.files import make_folder, writing
 from tactile.core.frame import NORMAL, Quantity
 from tactile.events.event import Event
 from tactile.output.event_data import finite
 from tactile.output.record import text_cell
 from tactile.thresholds.levels import Levels
-from tactile.wire.extras import need
 
 FORMAT = "tactile_events"
 COLUMNS: Mapping[str, Any] = {

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from cnnsim.support.extras import need
 from cnnsim.support.files import make_folder, write_text, writing
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.events.event import EventLog
@@ -17,7 +18,6 @@ from tactile.output.collected import texture_mean, total
 from tactile.output.event_data import INLINE, EventData
 from tactile.output.ground_truth import GroundTruth
 from tactile.pipeline import FrameReport
-from tactile.wire.extras import need
 
 COLUMNS = (
     "t_s", "finger", "sequence", "shear_x", "shear_y", "normal", "code", "load_x_m", "load_y_m", "load_q_n", "load_r_n",

@@ -5,7 +5,7 @@ import errno
 from typing import TYPE_CHECKING
 
 from cnnsim.support import InputError
-from tactile.wire.extras import need
+from cnnsim.support.extras import need
 
 if TYPE_CHECKING:
     import serial

@@ -1,11 +1,11 @@
-"""Opening a source of frames: a scene, a recording or a ROS bag."""
+"""Sources of frames: opening a scene, a recording or a ROS bag, and finding them in a folder."""
 
 from pathlib import Path
 
 from cnnsim.support import InputError
+from cnnsim.support.extras import need
 from cnnsim.support.files import named_file
 from tactile.core.source import Source
-from tactile.wire.extras import need
 
 BAG = ("tactile.sources.replay_rosbag", "read_bag", "a ROS bag")
 READERS = {
@@ -18,6 +18,8 @@ READERS = {
     ".db3": BAG,
 }
 """Suffix -> module, function and name of its reader, which is imported when used."""
+EVENTS = b"# tactile_events"
+"""First bytes of a table of events, which is no recording."""
 KINDS = tuple(READERS)
 """Suffixes of sources; the folder of a ROS 2 bag is a source, too."""
 
@@ -46,3 +48,33 @@ def open_source(path: Path | str) -> Source:
 def is_bag(folder: Path) -> bool:
     """Return whether a folder is a ROS 2 bag."""
     return (folder / "metadata.yaml").is_file()
+
+
+def is_folder_of_recordings(source: Path) -> bool:
+    """Return whether a source is a folder of recordings, and not a bag."""
+    return source.is_dir() and not is_bag(source)
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    """Return the sources in a folder, sorted by name: files of `KINDS` and folders that are bags.
+
+    A CSV file without the header of a recording, such as a table of labels, is skipped.
+
+    Raises:
+        InputError: no such folder.
+    """
+    if not folder.is_dir():
+        raise InputError(f"no folder {folder}")
+    return [one for one in sorted(folder.iterdir()) if is_bag(one) or (one.is_file() and _is_recording(one))]
+
+
+def _is_recording(path: Path) -> bool:
+    suffix = path.suffix.lower()
+    if suffix != ".csv":
+        return suffix in KINDS
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(EVENTS))
+            return start[:1] == b"#" and start != EVENTS
+    except OSError:
+        return True  # its reader reports the fault

@@ -8,6 +8,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.exclusive_file import refuse_existing
+from cnnsim.support.extras import need
 from cnnsim.support.files import writing
 from tactile.core.frame import Frame
 from tactile.core.source import Source, with_frames
@@ -15,7 +16,6 @@ from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tactile.sources.replay_npz import write_npz
 from tactile.sources.replay_pillars import PILLAR_PITCH, PillarStream
-from tactile.wire.extras import need
 
 
 class Conversion(NamedTuple):

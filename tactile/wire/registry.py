@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from cnnsim.support import InputError
+from cnnsim.support.extras import need
 from tactile.wire.base import Decoder, Encoder, Options, Talk
-from tactile.wire.extras import need
 
 NAMES = {
     "reskin": "reskin",

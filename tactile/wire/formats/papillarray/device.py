@@ -73,7 +73,7 @@ class PapillarrayEncoder(Encoder):
             1: hub,
             3: _nested([_nested([one.tobytes() for one in sensor]) for sensor in pillars]),
             4: _nested([one.tobytes() for one in whole]),
-            5: _nested([_nested([slip] * pillars.shape[1])] * sensors),
+            5: _nested([_nested([slip] * values.shape[1])] * sensors),
             6: _nested([grip] * sensors),
         }
         at, table = 1 + 4 * len(blocks) + 2, b"\x02"
