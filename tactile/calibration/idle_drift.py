@@ -1,4 +1,4 @@
-"""Drift of idle force taxels: how the tare follows it, and how a slow touch undoes that."""
+"""Drift compensation of idle force taxels: the tare follows their drift; a slow touch undoes the compensation."""
 
 import numpy as np
 
@@ -6,8 +6,8 @@ from cnnsim.support import Flags, Floats
 from tactile.core.frame import NORMAL
 
 LEAST, COMMON = 0.25, 0.5
-"""Common drift: this quantile of the normal forces, at most so many dead bands a second; a touch presses some taxels
-more than others."""
+"""Common drift: quantile of the normal forces, and its largest rate in dead bands a second. A low quantile, because a
+touch presses some taxels more than others."""
 ALONE, UNLIKE = 0.02, 0.5
 """Drift of one taxel beyond the common one: dead bands a second, and part of the common drift."""
 FASTEST, FARTHEST = 1.5, 10.0
@@ -17,9 +17,9 @@ FASTEST, FARTHEST = 1.5, 10.0
 class IdleDrift:
     """Compensation of the drift of idle taxels.
 
-    The offset follows the lower quartile of the normal forces, at most `COMMON`, and each taxel by `ALONE` and `UNLIKE`
-    of that beyond it: a slower touch that presses all taxels equally is taken for drift. Once a slow touch is detected,
-    the compensation since one taxel rose above the others is undone.
+    The offset follows the lower quartile of the normal forces, at most `COMMON`, and each taxel its own drift beyond
+    it, at most `ALONE` plus `UNLIKE` of the common one. A slower touch that presses all taxels equally counts as drift.
+    Once a slow touch is detected, the compensation since one taxel rose above the others is undone.
 
     Args:
         limit: Dead bands (3,) or (rows, cols, 3) [unit of the frames].
@@ -28,7 +28,7 @@ class IdleDrift:
 
     def __init__(self, limit: Floats, inward: float | Floats) -> None:
         self._limit, self._inward = np.abs(limit)[..., NORMAL], inward
-        self._before: Floats | None = None  # offset when a taxel began to rise faster than drift goes
+        self._before: Floats | None = None  # offset when a taxel began to rise faster than drift
 
     def follow(self, offset: Floats, away: Floats, known: Flags, sigma: Floats, seconds: float) -> Floats:
         """Return the offset (rows, cols, 3) after ``seconds``, for a block whose mean is ``away`` from the offset."""

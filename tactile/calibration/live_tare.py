@@ -1,4 +1,4 @@
-"""Tare of arriving frames: at the start, on request, and automatically while nothing touches; not under load."""
+"""Tare of arriving frames: at the start, on request, and automatically while the array is untouched."""
 
 import warnings
 from dataclasses import dataclass, replace

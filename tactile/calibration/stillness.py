@@ -11,19 +11,19 @@ from tactile.core.noise import Noise, spread
 PARTS = 4
 """Parts of a block whose means are compared."""
 MUCH = 4.0
-"""Half of the taxels may drift by the limit; one that is increasingly pressed by so many times as much."""
+"""Largest drift of a taxel that is increasingly pressed, over the limit. Half of the taxels may drift by the limit."""
 WANDER = 7.0
 """Largest drift of a mean within a still block, over the taxel's jitter or noise within a part. A load that grows
 linearly gives 8, slow noise mostly 3 to 6."""
 NEWEST = 5
-"""Newest frames, which are compared with earlier ones; as many between them are skipped."""
+"""Number of newest frames that are compared with earlier ones; the same number before them is skipped."""
 BEGINS = 8.0
 """Standard deviations by which a load must press a taxel at its onset."""
 
 
 @dataclass(frozen=True)
 class Stillness:
-    """Whether a block is ``still``; ``far``: how far means move, over the limit; ``first``: mean of the first part.
+    """Whether a block is ``still``; ``far``: largest drift of a mean over the limit; ``first``: mean of its first part.
 
     ``within`` (rows, cols, 3): noise within the parts, without slow noise and growing loads.
     """
@@ -63,7 +63,7 @@ def judge(block: Floats, noise: Noise, limit: Floats, inward: float | Floats) ->
 
 
 def begins(frames: list[Floats], limit: Floats, inward: float | Floats) -> bool:
-    """Return whether a taxel is pressed in the newest frames by more than those well before them explain."""
+    """Return whether the newest frames press a taxel by more than the limit and the noise of the earlier frames."""
     before = np.array(frames[: -2 * NEWEST])[..., NORMAL]
     press = inward * (np.mean([one[..., NORMAL] for one in frames[-NEWEST:]], axis=0) - before.mean(axis=0))
     return bool((press > np.maximum(limit[..., NORMAL], BEGINS * before.std(axis=0))).any())

@@ -125,7 +125,7 @@ def users_detectors(names: Collection[str]) -> list[DetectorFile]:
         for n, kind in enumerate(kinds):
             if kind in makers or kind in kinds[:n]:
                 maker = makers.get(kind, "another of its events")
-                raise InputError(f"{name}: kind {kind!r} is made by {maker}; a kind that no other has wanted")
+                raise InputError(f"{name}: kind {kind!r} is made by {maker}; a kind of its own wanted")
         makers |= dict.fromkeys(kinds, f"{detector.name!r}")
         found.append(detector)
     return found

@@ -18,12 +18,12 @@ UNITS = {"_n": ("N", 2), "_mm": ("mm", 2), "_pa": ("Pa", 0)}
 class Event:
     """One tactile event of one finger, or of the ``hand``.
 
-    ``t`` [s] is the onset, ``end`` [s] the end, None while the event lasts. ``told`` [s] is the time of the frame that
-    decided the onset, so told - t is the delay of detection; ``sequence`` is the number of that frame. ``kind``,
-    ``data`` and ``text`` describe the event; ``taxels`` (row, col) take part, and ``confidence`` is their share of the
-    pressed taxels. ``arrows`` and ``ternary`` are the code of the finger in that frame, ``hand`` the sign code of all
-    fingers. ``latency`` [s] counts from the arrival of that frame in the pipeline; ``load`` is that of the finger in
-    it.
+    ``t`` [s] is the onset, ``end`` [s] the end, None while the event lasts. ``told`` [s] is the time of the frame with
+    which the event was reported, so told - t is the delay of detection; ``sequence`` is the number of that frame.
+    ``kind``, ``data`` and ``text`` describe the event; ``taxels`` (row, col) take part, and ``confidence`` is their
+    share of the pressed taxels. ``arrows`` and ``ternary`` are the code of the finger in that frame, ``hand`` the sign
+    code of all fingers. ``latency`` [s] counts from the arrival of that frame in the pipeline; ``load`` is the load of
+    the finger in that frame.
     """
 
     t: float
@@ -59,7 +59,7 @@ class Event:
 
 
 class _TextData(dict[str, Any]):
-    """Data formatted for the text; unknown names become empty."""
+    """Event data by name, formatted with their units; an unknown name gives an empty text."""
 
     def __missing__(self, name: str) -> str:
         return ""

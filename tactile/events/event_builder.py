@@ -21,7 +21,7 @@ class FingerState(Protocol):
     @property
     def array(self) -> TaxelArray: ...  # noqa: D102 - the finger's array
     @property
-    def code(self) -> Code: ...  # noqa: D102 - what its comparators say now
+    def code(self) -> Code: ...  # noqa: D102 - the current code of its comparators
     @property
     def travelled(self) -> tuple[float, float] | None: ...  # noqa: D102 - how far the load has travelled [m], if it is located
 

@@ -138,7 +138,7 @@ def fit(data, loads, noise, place_only):  # type: ignore[no-untyped-def]
     """Fit the loads (k, 5) in place, one of which only the place is given if ``place_only``.
 
     Return chi^2, that without any load, the covariance (5 k, 5 k) for signals of variance 1, the residuals (n, 3), and
-    the taxel out of `REACH` that feels most of what the loads do not cause, -1 for none.
+    the taxel out of `REACH` with the largest residual, -1 for none.
     """
     at, felt, scale, strain, layer, tie = data
     near, part, weight = _near(at, felt, scale, loads)

@@ -7,7 +7,7 @@ Lengths are in depths, signals relative to the largest one.
 STEPS = 20
 """Gauss-Newton steps at most; two or three are usual."""
 CONVERGED = 0.01
-"""A step that reduces chi^2 by at most so many variances of one signal is the last."""
+"""Largest reduction of chi^2 by the last step, in variances of one signal."""
 ROUNDING = 1e-26
 """A share of the signals' energy that is rounding."""
 DAMPING, STIFF = 1e-3, 1e6
@@ -15,11 +15,11 @@ DAMPING, STIFF = 1e-3, 1e6
 UNOBSERVABLE = 1e9
 """Weight of the equation that keeps shear at zero where the taxels do not measure it."""
 REACH, ALL_TAXELS = 4.0, 100
-"""Of more than `ALL_TAXELS` taxels those within `REACH` of a load are fitted: the others feel 1 % of it at most."""
+"""Of more than `ALL_TAXELS` taxels those within `REACH` of a load are fitted: the others read 1 % of it at most."""
 
 # where the fit starts
 VOTERS, SEEDS = 16, 3
-"""The strongest taxels, whose answers are averaged, and those of them whose answers are tried as the place."""
+"""Number of strongest taxels whose answers are averaged, and of those among them whose answers start an average."""
 SAME = 0.1
 """Places nearer to each other than this are one place."""
 FEWEST = 4
@@ -33,7 +33,7 @@ USUAL_NOISE = 0.01
 SMALL_SHARE = 2.5e-3
 """Share of the energy in the residuals (a misfit of 5 %) below which unknown noise is not estimated."""
 CHANCE, NOT_CHANCE = 2.0, 3.0
-"""Standard deviations of chi^2 that noise may add; those beyond which the rest is surely not noise (1 frame in 300)."""
+"""Standard deviations of chi^2 that noise may add, and from which the excess is not noise (1 frame in 300)."""
 
 # tests of single readings
 STRONGEST = 4
@@ -41,8 +41,8 @@ STRONGEST = 4
 SLIGHT_MISFIT, FEW_FREE = 2e-3, 6
 """Where the noise is unknown, false readings are tested from this misfit on with more degrees of freedom than this."""
 NOTICED, BY_CHANCE = 3.5, 0.02
-"""A reading counts as false from so many known standard deviations on (noise: 1 frame in 200), or where unknown noise
-makes one of the tested readings fit so badly in that part of all frames."""
+"""Residual of a false reading in standard deviations of known noise (exceeded by noise in 1 frame of 200); share of the
+frames in which unknown noise gives one of the tested readings such a residual."""
 LIKELY = 0.5
 """Bayes factor from which a clipped, dead or wide alternative counts; they have fewer parameters than any false
 reading: one largest reading, one sign, one radius."""
@@ -65,16 +65,16 @@ tip of half a depth leaves 0.1."""
 UNSURE = 0.5
 """Standard deviation of the place from which the place is ambiguous."""
 RIVAL = 3.0
-"""A second place whose misfit is less than so many times larger makes the answer ambiguous."""
+"""Ratio of misfits below which a second place makes the answer ambiguous."""
 RIVALS = 4.0
-"""Two models of which neither leaves a variance so many times smaller than the other are both possible."""
+"""Ratio of residual variances below which two models are both possible."""
 FOREIGN_SHARE, FOREIGN_SIGMAS, FOREIGN_RATIO, FOREIGN_MEDIAN = 0.01, 6.0, 2.0, 30.0
-"""A taxel out of reach feels another load if its residual is so large a part of the largest signal, so many standard
-deviations, so many times what the loads cause there, and (squared) so many times that of the median taxel."""
+"""Residual of a taxel out of reach that shows another load: as a share of the largest signal, in standard deviations,
+over the signal of the fitted loads, and (squared) over that of the median taxel."""
 LARGE_PAD, PEAK = 16, 0.05
-"""Taxels a side above which peaks are looked for, and the least height of a peak over the highest."""
+"""Taxels a side above which every peak starts a load, and the least height of a peak over the highest."""
 SECOND_APART, SECOND_SHARE, SECOND_TIMES = 1.2, 0.5, 30.0
 """Least distance of a second load, the share of chi^2 that it explains to first order, and the factor by which it must
 reduce the variance if the rest is not noise."""
 LOADS, LOADS_APART = 4, 2.0
-"""Loads looked for at most on small pads; loads nearer to each other are one patch."""
+"""Largest number of loads fitted on small pads; least distance of two loads, nearer ones are one patch."""

@@ -1,4 +1,4 @@
-"""Localisation of point loads by several taxels: the place their answers agree on, then least squares to all signals.
+"""Localisation of the loads of a frame: the place on which the taxels agree, then least squares to all signals.
 
 Every taxel's inverse has up to two candidates, one for each sign of s = Q x + R y + F z, and under shear the sign may
 differ from taxel to taxel. Only the true place is common to all of them.
@@ -68,7 +68,7 @@ def localise(
     noise: Weights | Floats | float | None = None,
     saturated: Flags | None = None, thickness: float | None = None,
 ) -> Load:  # fmt: skip
-    """Find the point load, or the few, that all taxels of an array feel.
+    """Find the point load, or the few, that cause the readings of an array.
 
     Start: the weighted mean of the candidates nearest to each other, one a taxel, where a candidate at
     t = rho^2 / z^2 weighs (signal / (1 + t))^2: the inverse variance of its place for equal noise in the signals.

@@ -21,12 +21,12 @@ NO_MORE = 0.75
 LARGER_THAN = 3.0
 """Standard deviations that a load must exceed."""
 MOST, NEAR = 30, 2.5
-"""Loads fitted at most on a large pad, and half the side [depths] of the square that tells how well each fits."""
+"""Largest number of loads on a large pad, and half the side [depths] of the square for the statistics of each."""
 QUIET, ABOVE, ALONE = 0.1, 12.0, 0.05
-"""A peak is `ABOVE` times the quantile `QUIET` of the signals (among a million of noise none is); where no neighbour
-feels `ALONE` of it, the taxel reads falsely."""
+"""A peak is `ABOVE` times the quantile `QUIET` of the signals (noise: none in a million signals); where no
+neighbour reads `ALONE` times the peak, the reading is false."""
 COARSE = 1.5
-"""Pitch [depths] up to which the neighbours of a taxel feel its load."""
+"""Pitch [depths] up to which a load above a taxel also gives its neighbours a signal."""
 
 
 def ranked(fit: Fit) -> Fit:
@@ -38,8 +38,10 @@ def ranked(fit: Fit) -> Fit:
 
 
 def several(taxels: Taxels, one: Candidate) -> list[Candidate]:
-    """Return fits of 2 to `LOADS` loads well apart, the simplest first, for each number the best with a misfit below
-    `POINT`: with all taxels, and without the one with the largest residual.
+    """Return fits of 2 to `LOADS` loads, `LOADS_APART` or more from each other, the simplest first.
+
+    For each number of loads: the best fit with all taxels, and the best without the taxel of the largest residual, if
+    their misfit is at most `POINT`.
 
     Fits start from the highest peaks, and from the best fit so far with one load more at its largest residual.
     """
@@ -68,7 +70,7 @@ def several(taxels: Taxels, one: Candidate) -> list[Candidate]:
 
 
 def simplest(ways: list[Candidate]) -> Candidate:
-    """Return the first candidate, the simplest first, that no later one betters by far."""
+    """Return the simplest candidate; a later one replaces it only if it leaves far less variance."""
     chosen = ways[0]
     for way in ways[1:]:
         fewer, more = len(way.order) < len(chosen.order), len(way.fit.loads) > len(chosen.fit.loads)
@@ -126,7 +128,7 @@ def _start(taxels: Taxels, n: int) -> list[float]:
 def large_pad(taxels: Taxels, one: Candidate) -> Candidate | None:
     """Return a joint fit of one load at each peak of a large pad, `MOST` at most, None if one load explains the pad.
 
-    Taxels that feel much where no neighbour feels anything are not used.
+    A peak without a signal on any neighbouring taxel is false and not used.
     """
     fit = one.fit
     if min(taxels.shape) <= LARGE_PAD:
@@ -150,7 +152,7 @@ def large_pad(taxels: Taxels, one: Candidate) -> Candidate | None:
 
 
 def _peaks(taxels: Taxels, pitch: float) -> tuple[Integers, Integers]:
-    """Return the taxels that feel more than all others within a depth, the highest first, and false ones."""
+    """Return the taxels of the local maxima within a depth, the highest first, and of false ones."""
     from scipy.ndimage import maximum_filter  # slow to import, and only for large pads
 
     height = taxels.peak.reshape(taxels.shape)

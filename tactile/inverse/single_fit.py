@@ -32,7 +32,7 @@ LOOSE = 12.0
 
 
 class Fit:
-    """Loads (k, 5) fitted to signals, in depths and as signals are scaled.
+    """Loads (k, 5) fitted to signals, in depths and in the scale of the signals.
 
     ``chi``: sum of the squares of the residuals ``rest`` (n, 3), ``whole``: of the signals; ``covariance`` (5 k, 5 k)
     for signals of variance 1; ``free``: degrees of freedom; ``variance`` of a signal: that of the noise or of the
@@ -58,19 +58,19 @@ class Fit:
 
     @cached_property
     def foreign(self) -> int | None:
-        """The taxel out of reach that feels most of another load, None where none does."""
+        """The taxel out of reach with the largest signal of another load, None without such a load."""
         squares = (self.rest**2).sum(axis=1)
         found = self.stranger >= 0 and squares[self.stranger] > FOREIGN_MEDIAN * np.median(squares)
         return self.stranger if found else None
 
     @cached_property
     def tests(self) -> tuple[float, float, int, bool]:
-        """What `residual_tests_numba.unexplained` returns of one load."""
+        """Results of the tests of `residual_tests_numba.unexplained` for a single load."""
         return self._unexplained[1]
 
     @property
     def unexplained(self) -> Floats:
-        """Variances (k, 5) of the loads, in depths and as signals are scaled, from what is left beyond the noise."""
+        """Variances (k, 5) of the loads due to residuals beyond the noise, in depths and scaled like the signals."""
         return self._unexplained[0]
 
     @cached_property
@@ -100,8 +100,8 @@ class Fit:
 def _noise_energy(signals: Signals, rest: Floats, chi: float) -> float:
     """Return the part of chi^2 that is noise, estimated from residuals (n, 3).
 
-    The noise is that of the median residual, or of the weakest signals if smaller; residuals that are like those of the
-    neighbouring taxels are a smooth field and no noise.
+    The noise is that of the median residual, or of the weakest signals if smaller; correlated residuals of neighbouring
+    taxels are a smooth field and no noise.
     """
     (rows, cols), size = signals.shape, rest.size
     quantiles = ((rest, 0.5, 0.6745), (signals.felt, 0.1, 0.1257))  # of |x| for normal x of variance 1
@@ -136,7 +136,7 @@ def made(signals: Signals, loads: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A model of the signals: a fit, the signal ``top`` [N] that it has as 1, and whether another one fits as well.
+    """A model of the signals: a fit, the signal ``top`` [N] that is scaled to 1, and whether another one fits as well.
 
     ``clipped``, ``false``: taxels of which a reading is not used, since it is clipped or contradicts all others.
     """
@@ -160,8 +160,9 @@ class Candidate:
 
 
 class Taxels:
-    """Answers (families, 4, n) of all taxels of a frame, at places (rows, cols, 2) [m], with the weights of their
-    signals. ``order``: the taxels that have an answer, the strongest first.
+    """Inverse planes (families, 4, n) of the taxels of a frame, at places (rows, cols, 2) [m], with signal weights.
+
+    ``order``: the taxels that have an answer, the strongest first.
     """
 
     def __init__(self, at: Floats, planes: Floats, depth: float, strain: bool, weights: Weights, layer: Floats) -> None:
@@ -215,7 +216,7 @@ class Taxels:
         return Signals(seen, felt, scale, self.strain, self.layer, tie, order, self.shape, noise)
 
     def _silent_nearer(self, fit: Fit, first: int) -> bool:
-        """Whether a taxel without signal is nearer to a place outside than the only taxel that has an answer."""
+        """Whether the only taxel with an answer locates it outside, nearer to a taxel without signal."""
         away = fit.loads[0, :2] - fit.signals.seen[0]
         silent = (self.planes[:, 3] == Validity.NO_LOAD).all(axis=0)
         if (away**2).sum() < 2 or not silent.any():
@@ -224,7 +225,7 @@ class Taxels:
         return bool(gaps[silent].min() < gaps[first])
 
     def _without_shear(self, fit: Fit, first: int) -> Fit:
-        """Return the fit of a load without shear if it explains as much: one taxel alone feels the load, pressing."""
+        """Return the fit of a pressing load without shear if its misfit is below `DOUBT`, else the given fit."""
         dx, dy, _, validity = self.planes[0, :, first].tolist()
         if validity not in (Validity.INSIDE, Validity.OUTSIDE):
             return fit
@@ -234,7 +235,7 @@ class Taxels:
 
 
 def _with_all_shear(fit: Fit) -> Fit:
-    """Return the fit with the shear across a line of taxels, which a thin layer makes observable, if it is."""
+    """Return the fit with the shear across a line of taxels if it is observable, as on a thin layer."""
     free = fitted(fit.signals._replace(tie=np.zeros(3)), fit.loads)
     if not np.isfinite(free.spread).all():
         return fit
