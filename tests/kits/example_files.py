@@ -1,4 +1,4 @@
-"""The picture and the recording that lie beside the examples, as they are made: run as a module it writes them."""
+"""The picture and the recording of the examples; run as a module to write them."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ SCENE = SCENES / "grip.toml"
 
 
 def scan() -> Floats:
-    """A grey scan of rings, bars and specks: black on white with a little noise, holes to fill and edges to find."""
+    """Return a grey scan of rings, bars and specks, black on white, with noise."""
     i, j = np.mgrid[:64, :96]
     picture = np.full(i.shape, -0.9)
     for row, col, inner, outer in ((18, 20, 6, 11), (44, 30, 4, 9), (30, 70, 10, 16)):
@@ -25,7 +25,7 @@ def scan() -> Floats:
 
 
 def main() -> None:
-    """Write both."""
+    """Write the picture and the recording."""
     from tactile.sources.convert import convert
 
     write_picture(scan(), PICTURE)

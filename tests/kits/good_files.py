@@ -1,4 +1,4 @@
-"""A good file of each kind that people write, with nearly all of its keys, a line each, and what reads it."""
+"""A valid file of every kind that users write, with nearly all keys, one per line, and its reader."""
 
 from collections.abc import Callable
 from pathlib import Path

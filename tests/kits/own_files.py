@@ -1,4 +1,4 @@
-"""Files with the names that pages and help take for the reader's own, made from what the examples hold."""
+"""The files that documentation and help texts name as the user's own."""
 
 import re
 from importlib.util import find_spec
@@ -63,7 +63,7 @@ def detector() -> str:
 
 
 def write_own_files(folder: Path) -> None:
-    """Write all of them into a folder."""
+    """Write all files into a folder."""
     square, picture = np.pad(np.ones((9, 9)), 5, constant_values=-1), scan()[::2, ::2]
     for name in ("square", "before", "after"):
         write_picture(square if name != "after" else -square, folder / f"{name}.png")
@@ -98,7 +98,7 @@ def write_own_files(folder: Path) -> None:
 
 
 def write_weights(folder: Path) -> None:
-    """Write pad.npz, 20 weights one after the other on four taxels of force, and weights.csv: when they lay there."""
+    """Write pad.npz, 20 successive weights on four force taxels, and weights.csv with their times and forces."""
     random, pad = np.random.default_rng(1), TaxelArray("pad", 2, 2, 4e-3, 0.0, quantity="force")
     shares = np.concatenate([np.zeros((100, 4)), np.repeat(random.dirichlet(np.ones(4), 20), 20, axis=0)])
     pull = np.repeat(np.vstack([np.zeros((5, 3)), random.uniform(0.2, 1, (20, 3))]), 20, axis=0)

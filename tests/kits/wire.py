@@ -1,4 +1,4 @@
-"""What the tests of wire formats share: boards, signals and streams of every format."""
+"""Boards, signals and packet streams of every wire format."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ def pair(name: str, extra: dict[str, Any] | None = None) -> tuple[Decoder, Encod
 
 
 def signals(name: str, count: int, seed: int = 0) -> list[list[np.ndarray]]:
-    """Smooth readings that the format carries without rounding."""
+    """Return smooth readings that the format represents exactly."""
     rng = np.random.default_rng(seed)
     shapes = Options(SHAPES[name]).taxels
     base = [rng.integers(20, 60, (taxels, 3)) for taxels in shapes]
@@ -44,7 +44,7 @@ def stream(name: str, extra: dict[str, Any], count: int, seed: int = 0) -> tuple
     packets = [encoder.encode(one, 1000 + n, 0.001 * n) for n, one in enumerate(boards)]
     packets[0] = encoder.preamble() + packets[0]
     whole = [np.concatenate(one) for one in boards]
-    if name == "native":  # a frame for every board
+    if name == "native":  # one frame per board
         return packets, [one for pair_ in boards for one in pair_]
     return packets, whole
 

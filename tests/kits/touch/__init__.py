@@ -1,1 +1,1 @@
-"""What tests of touch share: pads, slides, scenes, effects, frames."""
+"""Pads, slides, scenes, effects and frames for tests."""

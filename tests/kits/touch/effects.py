@@ -1,4 +1,4 @@
-"""What the tests of effects share: values in batches, scenes, fields."""
+"""Batches of values and scenes for tests of effects."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,7 +18,7 @@ FULL = 0.1
 
 
 def batches(values: NDArray[np.float64], t: Any, cut: int = 10**9) -> Iterator[Batch]:
-    """Frames of values (n, rows, cols, 3) at the times, in pieces."""
+    """Yield values (n, rows, cols, 3) at times t as batches of at most `cut` frames."""
     array = TaxelArray("a", values.shape[1], values.shape[2], 3e-4, 2e-4)
     for start in range(0, len(t), cut):
         here = slice(start, min(start + cut, len(t)))

@@ -1,4 +1,4 @@
-"""A scene of one finger that a load touches, pulls and leaves, and the command that runs it."""
+"""A scene of one finger with a moving load, and the command `tactile run`."""
 
 from pathlib import Path
 from typing import Any
@@ -28,12 +28,12 @@ path = [[0.5, -0.3, 0.2, 0.0, 0.0, 0.5], [1.0, -0.3, 0.2, 0.1, -0.3, 0.5], [1.5,
 
 
 def run_command(*arguments: Any) -> Result:
-    """Return what `tactile run` did with these arguments."""
+    """Return the result of `tactile run` with these arguments."""
     return CliRunner().invoke(main, ["run", *(str(argument) for argument in arguments)])
 
 
 def write_scene(tmp_path: Path, quantity: str = "strain") -> Path:
-    """Write the scene and return its file."""
+    """Write the scene and return its path."""
     path = tmp_path / "scene.toml"
     path.write_text(SCENE.format(quantity=quantity), encoding="utf-8")
     return path

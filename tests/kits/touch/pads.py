@@ -1,4 +1,4 @@
-"""Pads of taxels over a half-space, what they feel of loads, and what is located from that."""
+"""Taxel arrays in a half-space, their signals under loads, and located loads."""
 
 from typing import Any
 
@@ -44,7 +44,7 @@ def felt(at: Floats, loads: Any, stress: bool) -> Floats:
 def found(
     at: Floats, signals: Floats, stress: bool, noise: float | Floats | None = None, saturated: Flags | None = None
 ) -> Load:
-    """``noise``: of the signals, in their unit."""
+    """Locate one load from signals; ``noise`` is in the unit of the signals."""
     if not stress:
         return locate(at, signals, None if noise is None else noise * 4 * np.pi / 3 * MODULUS * DEPTH**2, saturated)
     x, y, z = np.moveaxis(signals, -1, 0)

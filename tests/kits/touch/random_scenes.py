@@ -44,14 +44,14 @@ CHIP = TaxelArray("chip", 2, 2, 4e-4, 2e-4)
 
 
 def needle(*effects: tuple[str, Any], duration: float = 1.0, seed: int = 0) -> Scene:
-    """A needle drawn over the chip, with these effects and all others at strength zero."""
+    """Return a needle that slides over the chip, with these effects and all others at strength zero."""
     path = np.array([(0.0, -3e-4, 1e-4, 0.002, 0, 0.02), (duration, 3e-4, 0, -0.002, 0.001, 0.015)])
     chosen = dict(QUIET) | dict(effects)
     return Scene("n", 100.0, duration, 2.4e6, (CHIP,), (MovingLoad(0, path),), (), tuple(chosen.items()), 0.15, seed)
 
 
 def random_scene(random: np.random.Generator) -> Scene:
-    """Any effect at any strength, from far below to far above a tolerance of some hundredths, and any load."""
+    """Return a scene with random effects, from far below to far above a tolerance of 0.01, and a random load."""
 
     def some(low: float, high: float) -> float:
         return float(np.exp(random.uniform(np.log(low), np.log(high))))
@@ -89,7 +89,7 @@ def random_scene(random: np.random.Generator) -> Scene:
     x, y = random.uniform(-4e-4, 4e-4, (2, 2))
     forces = [(*random.uniform(-5e-3, 5e-3, 2), some(1e-3, 0.03)) for _ in range(2)]
     path = np.array([(0.0, x[0], y[0], *forces[0]), (duration, x[1], y[1], *forces[1])])
-    # some take part, the others are off
+    # a random half of the effects is on
     taken = [one for one in (*effects, *built) if random.random() < 0.5]
     chosen = dict(QUIET) | dict(taken if random.random() < 0.5 else effects)
     seed = int(random.integers(1000))
@@ -97,7 +97,7 @@ def random_scene(random: np.random.Generator) -> Scene:
 
 
 def random_touch(random: np.random.Generator) -> Scene:
-    """The effects of a random scene on one to three loads and bodies over 2 x 2 to 8 x 8 taxels."""
+    """Return a random scene with one to three loads and bodies over 2 x 2 to 8 x 8 taxels."""
     scene, side = random_scene(random), int(random.choice([2, 4, 8]))
     depth = float(random.choice([2e-4, 5e-4, 1e-3, 1.5e-3]))
     pitch, scale, quantity = (
@@ -130,7 +130,7 @@ def random_touch(random: np.random.Generator) -> Scene:
 
 
 def error(one: Scene, other: Scene) -> float:
-    """Largest difference of two scenes over all their frames, read by straight lines, over the ideal skin's peak."""
+    """Return the largest difference of two scenes, linear in time between frames, relative to the ideal peak."""
     times, largest = np.arange(one.samples) / one.rate, 0.0
     for finger in range(len(one.arrays)):
         sides = []
@@ -145,5 +145,5 @@ def error(one: Scene, other: Scene) -> float:
 
 
 def error_of_seeds(chosen: Scene, whole: Scene, seeds: Any) -> float:
-    """The largest error of a choice of effects over some seeds."""
+    """Return the largest error of a choice of effects over some seeds."""
     return max(error(replace(chosen, seed=seed), replace(whole, seed=seed)) for seed in seeds)

@@ -1,4 +1,4 @@
-"""Labelled sequences of a made-up magnetometer board, and the description of its array."""
+"""Labelled sequences of a simulated magnetometer board, and its array description."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ RATE, START = 100.0, 120
 
 
 def write_sequences(folder: Path, **changed: np.ndarray) -> tuple[Path, Path]:
-    """Write four sequences of noise of 5 uT, two pulled from 1.2 s on by 4 uT a frame; return file and array."""
+    """Write four sequences with 5 uT noise, two with a ramp of 4 uT per frame from 1.2 s on; return file and array."""
     rng, slips = np.random.default_rng(0), np.array([True, False, True, False])
     signal = 300 + 5 * rng.standard_normal((4, 250, 15))
     ramp = 4.0 * np.maximum(np.arange(250) - START, 0)

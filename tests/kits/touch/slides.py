@@ -16,7 +16,7 @@ NOISE = 2e-3
 
 
 def slide(material: str, seed: int, samples: int = 400, speed: float = 5e-3, rate: float = RATE) -> Slide:
-    """One stroke with times that jitter and a little noise: friction along x, some of it along y."""
+    """Return one slide with jittered times, noise, and shear mostly along x."""
     random = np.random.default_rng(seed)
     t = (np.arange(samples) + random.uniform(-0.2, 0.2, samples)) / rate + 0.5
     made = SlidingTexture(0, (0.0, 0.0), PRESETS[material], 0.0, t[-1] + 1, speed, 0.3, 0.3, 1000.0, seed)
@@ -26,12 +26,12 @@ def slide(material: str, seed: int, samples: int = 400, speed: float = 5e-3, rat
 
 
 def slides(count: int, materials: tuple[str, ...] = tuple(PRESETS), samples: int = 400) -> list[Slide]:
-    """So many strokes over each material."""
+    """Return `count` slides over each material."""
     return [slide(name, 100 * n + k, samples) for n, name in enumerate(materials) for k in range(count)]
 
 
 def write_slides(path: Path, made: list[Slide], axes: tuple[int, int, int] | None = None) -> None:
-    """Write a file of slides; ``axes`` are where shear_x, shear_y and normal go."""
+    """Write a file of slides; ``axes`` are the columns of shear_x, shear_y and normal."""
     force: Floats = np.concatenate([one.force for one in made])
     extra: dict[str, Any] = {}
     if axes is not None:

@@ -1,4 +1,4 @@
-"""A small scene as tables, with a load, a sphere and a texture to put on it; and the values of its frames."""
+"""A small scene as tables; a load, a sphere and a texture for it; the values of its frames."""
 
 import copy
 import tomllib

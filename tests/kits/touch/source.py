@@ -1,4 +1,4 @@
-"""What the tests of sources share: a scene, and frames compared."""
+"""A small scene for tests of sources."""
 
 import copy
 import tomllib

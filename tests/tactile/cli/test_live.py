@@ -1,40 +1,29 @@
-"""The pipeline on a port: events as they come, the same again from the recording, and ending in good order."""
+"""`tactile live`, `record`, `replay` and `emulate`: the same events live and replayed, tares, errors."""
 
 import json
 import os
 import threading
-import time
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from tactile.calibration.live_tare import LiveTare
 from tactile.cli.port.live import LiveMonitor, LiveOptions
-from tactile.core.frame import Frame, TaxelArray
-from tactile.pipeline import FrameReport, warm_up
 from tactile.recording.reader import open_recording
 from tactile.recording.writer import Recording
 from tactile.serial.session import Session
-from tactile.settings import Settings
 from tactile.wire.packets import emulated_description, packets
-from tactile.wire.source import WireSource
-from tests.kits.serial import GRIP, call, device, grip, lines, sent, write_array
+from tests.kits.processes import wait_until
+from tests.kits.serial import GRIP, call, device, grip, later, lines, sent, write_array
 
 LIMIT = "20"
 
 
 @pytest.mark.parametrize(("protocol", "tare"), [("native", "off"), ("native", "auto"), ("reskin", "off")])
-def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path, protocol: str, tare: str) -> None:
-    """The grip from its first touch on; with a tare, half a second of nothing before."""
-    scene = grip(1.6 if tare == "off" else 2.2)
-    if tare == "auto":
-        scene = replace(
-            scene, loads=tuple(replace(load, path=np.add(load.path, [0.7, 0, 0, 0, 0, 0])) for load in scene.loads)
-        )
+def test_replay_gives_the_live_events_byte_for_byte(tmp_path: Path, protocol: str, tare: str) -> None:
+    """The grip from its first contact on; with a tare, 0.5 s without contact before."""
+    scene = grip(1.6) if tare == "off" else later(grip(2.2), 0.7)
     description = emulated_description(protocol, scene)
     array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
     with device(list(packets(description, scene))) as emulator:
@@ -48,10 +37,10 @@ def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path
     replayed = call("replay", mcap, "--json")
     assert lines(replayed.stdout, "event") == events
     assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
-    ran = call("run", mcap, "-o", tmp_path / "out", "--tare", tare)  # the third way to the same events
+    ran = call("run", mcap, "-o", tmp_path / "out", "--tare", tare)
     assert ran.exit_code == 0, ran.output
     record = json.loads((tmp_path / "out" / "events.json").read_text(encoding="utf-8"))
-    assert sorted(map(_what, record["events"])) == sorted(map(_what, map(json.loads, events)))
+    assert sorted(map(key, record["events"])) == sorted(map(key, map(json.loads, events)))
     assert len(lines(live.stdout, "tare")) == (0 if tare == "off" else 4)  # at the start and idle
     (end,) = (json.loads(line) for line in lines(live.stdout, "end"))
     assert end["counts"]["good"] == (2 if protocol == "native" else 1) * round(200 * scene.duration)
@@ -67,11 +56,11 @@ def test_a_recording_replayed_gives_the_live_events_byte_for_byte(tmp_path: Path
     assert last["counts"] == end["counts"]
 
 
-def _what(event: dict[str, Any]) -> tuple[Any, ...]:
+def key(event: dict[str, Any]) -> tuple[Any, ...]:
     return event["t_s"], event["finger"], event["kind"], event["ternary"], json.dumps(event["data"], sort_keys=True)
 
 
-def test_people_get_text(tmp_path: Path) -> None:
+def test_live_and_replay_print_text(tmp_path: Path) -> None:
     description, stream = sent("native", 0.6)
     array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
     with device(stream) as emulator:
@@ -86,7 +75,7 @@ def test_people_get_text(tmp_path: Path) -> None:
     assert "240 frames" in replayed.stdout
 
 
-def test_recording_without_the_pipeline(tmp_path: Path) -> None:
+def test_record_stores_bytes_and_frames(tmp_path: Path) -> None:
     description, stream = sent("papillarray", 0.3)
     array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
     with device(stream) as emulator:
@@ -99,16 +88,13 @@ def test_recording_without_the_pipeline(tmp_path: Path) -> None:
     assert again.messages["/frames/left"] == again.messages["/frames/right"] == 60
 
 
-def test_typing_t_asks_for_a_tare_and_q_ends(tmp_path: Path) -> None:
-    """The request goes into the stream, so that the replay tares at the same frame."""
-    scene = replace(
-        grip(1.5), loads=tuple(replace(load, path=np.add(load.path[:1], [9, 0, 0, 0, 0, 0])) for load in grip(1).loads)
-    )
+def test_a_requested_tare_is_recorded_and_replayed_at_the_same_frame(tmp_path: Path) -> None:
+    scene = later(grip(1.5), 9.0)
     description = emulated_description("native", scene)
     mcap = tmp_path / "r.mcap"
     choices = LiveOptions(tare="manual")
     into = partial(Recording, mcap, description, {"choices": choices.text()})
-    said: list[dict[str, Any]] = []
+    output: list[dict[str, Any]] = []
     with device(list(packets(description, scene))) as emulator:
         session = Session(emulator.port, description, into, seconds=20)
         assert session.recording is not None
@@ -116,7 +102,7 @@ def test_typing_t_asks_for_a_tare_and_q_ends(tmp_path: Path) -> None:
 
         def look(line: dict[str, Any]) -> None:
             nonlocal asked
-            said.append(line)
+            output.append(line)
             if line["type"] == "tare" and not asked:
                 session.reader.ask_tare()
                 asked = True
@@ -126,14 +112,14 @@ def test_typing_t_asks_for_a_tare_and_q_ends(tmp_path: Path) -> None:
         watch = LiveMonitor(session.source, look, session.now, session.recording.note)
         watch.run(choices)
         session.recording.close({})
-    tares = [line for line in said if line["type"] == "tare"]
+    tares = [line for line in output if line["type"] == "tare"]
     assert [line["why"] for line in tares if line["finger"] == "left"] == ["at the start", "on request"]
     replayed = call("replay", mcap, "--json")
     assert [json.loads(line) for line in lines(replayed.stdout, "tare")] == tares
     assert [note["note"] for note in open_recording(mcap).notes("/port")][:2] == ["plugged", "tare"]
 
 
-def test_mistakes_are_one_line(tmp_path: Path) -> None:
+def test_wrong_arguments_are_refused_in_one_line(tmp_path: Path) -> None:
     description, stream = sent("reskin", 0.1)
     array = write_array(tmp_path, description.text)
     bare = tmp_path / "bare.toml"
@@ -168,27 +154,27 @@ def test_mistakes_are_one_line(tmp_path: Path) -> None:
     assert not (tmp_path / "r.mcap").exists()
 
 
-def test_a_program_of_one_s_own_runs_beside_the_pipeline(tmp_path: Path) -> None:
-    """contact-blob on the grip: four taxels in contact are a blob of area 4; the replay runs it again."""
+def test_a_program_runs_in_live_and_in_the_replay(tmp_path: Path) -> None:
+    """contact-blob on the grip: four taxels in contact are a blob of area 4."""
     description, stream = sent("native", 0.4)
     array, mcap = write_array(tmp_path, description.text), tmp_path / "r.mcap"
     with device(stream) as emulator:
         live = call("live", "-p", emulator.port, "-a", array, "--record", mcap, "--json", "--tare", "off", "--once",
                     "--program", "contact-blob", "--backend", "reference")  # fmt: skip
     assert live.exit_code == 0, live.output
-    said = [json.loads(line) for line in lines(live.stdout, "program")]
-    assert {line["finger"] for line in said} == {"left", "right"}
-    assert said[0]["outputs"]["area"] == 0
-    assert said[-1]["outputs"]["contact"] == [[1, 1], [1, 1]]
-    assert said[-1]["outputs"]["area"] == 4
+    outputs = [json.loads(line) for line in lines(live.stdout, "program")]
+    assert {line["finger"] for line in outputs} == {"left", "right"}
+    assert outputs[0]["outputs"]["area"] == 0
+    assert outputs[-1]["outputs"]["contact"] == [[1, 1], [1, 1]]
+    assert outputs[-1]["outputs"]["area"] == 4
     replayed = call("replay", mcap, "--json")
-    assert [json.loads(line) for line in lines(replayed.stdout, "program")] == said
+    assert [json.loads(line) for line in lines(replayed.stdout, "program")] == outputs
     wrong = call("live", "-p", "x", "-a", array, "--program", "median")
     assert (wrong.exit_code, "inputs picture; of right, left" in wrong.stderr) == (2, True)
 
 
 def test_a_recording_can_be_emulated(tmp_path: Path) -> None:
-    """Bytes of a recording over a terminal again, through the command's own path."""
+    """The bytes of a recording are sent over a terminal and recorded again."""
     description, stream = sent("csv", 0.3)
     array, first, second = write_array(tmp_path, description.text), tmp_path / "1.mcap", tmp_path / "2.mcap"
     with device(stream) as emulator:
@@ -196,37 +182,9 @@ def test_a_recording_can_be_emulated(tmp_path: Path) -> None:
     link, results = tmp_path / "skin", []
     thread = threading.Thread(target=lambda: results.append(call("emulate", "--recording", first, "--link", link)))
     thread.start()
-    until = time.monotonic() + 20
-    while not os.path.lexists(link) and time.monotonic() < until:
-        time.sleep(0.01)
+    wait_until(lambda: os.path.lexists(link))
     again = call("record", "-p", link, "-a", array, "-o", second, "--once")
     thread.join()
     assert (again.exit_code, results[0].exit_code) == (0, 0), again.output + results[0].output
     one, two = (b"".join(chunk.data for chunk in open_recording(path).chunks()) for path in (first, second))
     assert one == two == b"".join(data for _, data in stream)
-
-
-def test_renewals_while_idle_are_said_once_and_all_recorded() -> None:
-    """Two a second are too many lines; the recording has every offset."""
-    description = emulated_description("native", grip(0.1, 1))
-    said: list[dict[str, Any]] = []
-    noted: list[str] = []
-    monitor = LiveMonitor(
-        WireSource(description, []), said.append, note=lambda topic, t, data: noted.append(data["why"])
-    )
-    (array,) = description.arrays
-    tare, report = LiveTare(0, array), reported(array)
-    for number in range(126):
-        if number == 63:
-            tare.ask()
-        tare(Frame(0, number * 0.01, number, np.zeros((*array.shape, 3)), np.ones(array.shape, bool)))
-        monitor(replace(report, tares=tuple(tare.notes)))
-        tare.notes.clear()
-    assert [line["why"] for line in said] == ["at the start", "idle", "on request", "idle"]
-    assert noted == ["at the start", "idle", "idle", "on request", "idle"]
-
-
-def reported(array: TaxelArray) -> FrameReport:
-    reports: list[FrameReport] = []
-    warm_up((array,), 1e6, Settings(), [reports.append])
-    return replace(reports[0], events=())

@@ -1,11 +1,9 @@
-"""Live with a calibration, which is kept with the recording for the replay."""
+"""`tactile live --calibration`: gains from the calibration, which is stored in the recording."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from tactile.calibration.file import Calibration, write_calibration
@@ -15,15 +13,12 @@ from tactile.cli.port.live import LiveMonitor, LiveOptions
 from tactile.recording.reader import open_recording
 from tactile.wire.packets import emulated_description, packets
 from tactile.wire.source import WireSource
-from tests.kits.serial import call, device, grip, lines, write_array
+from tests.kits.serial import call, device, grip, later, lines, write_array
 
 
-def test_a_calibration_stands_for_the_gains_and_is_kept_for_the_replay(tmp_path: Path) -> None:
-    """Readings in microtesla and the gains in a calibration are the readings with the gains in the description."""
-    scene = grip(2.2)
-    scene = replace(
-        scene, loads=tuple(replace(load, path=np.add(load.path, [0.7, 0, 0, 0, 0, 0])) for load in scene.loads)
-    )
+def test_a_calibration_replaces_the_gains_and_is_stored_for_the_replay(tmp_path: Path) -> None:
+    """The events are those of the same gains in the description; the radial factor 2 doubles the force."""
+    scene = later(grip(2.2), 0.7)
     description = emulated_description("reskin", scene)
     bare = "\n".join(line for line in description.text.splitlines() if not line.startswith("gains"))
     array, mcap, skin = write_array(tmp_path, bare), tmp_path / "r.mcap", tmp_path / "skin.toml"
@@ -39,22 +34,24 @@ def test_a_calibration_stands_for_the_gains_and_is_kept_for_the_replay(tmp_path:
     assert lines(replayed.stdout, "event") == lines(live.stdout, "event")
     assert lines(replayed.stdout, "tare") == lines(live.stdout, "tare")
 
-    said: list[dict[str, Any]] = []
-    LiveMonitor(WireSource(description, open_recording(mcap).chunks()), said.append).run(LiveOptions())
-    events = [line for line in said if line["type"] == "event" and not line["kind"].startswith("tangential")]
-    told = [json.loads(line) for line in lines(live.stdout, "event")]
-    told = [line for line in told if not line["kind"].startswith("tangential")]  # their threshold sees twice the force
+    output: list[dict[str, Any]] = []
+    LiveMonitor(WireSource(description, open_recording(mcap).chunks()), output.append).run(LiveOptions())
+    events = [line for line in output if line["type"] == "event" and not line["kind"].startswith("tangential")]
+    live_events = [json.loads(line) for line in lines(live.stdout, "event")]
+    live_events = [
+        line for line in live_events if not line["kind"].startswith("tangential")
+    ]  # their threshold applies to the doubled force
     assert len(events) >= 10
     same = "finger", "kind", "t_s", "sequence"
-    assert [[line[name] for name in same] for line in told] == [[line[name] for name in same] for line in events]
-    for one, other in zip(told, events, strict=True):
+    assert [[line[name] for name in same] for line in live_events] == [[line[name] for name in same] for line in events]
+    for one, other in zip(live_events, events, strict=True):
         assert (one["load"] is None) == (other["load"] is None)
         if other["load"] is not None:
             x, y, force = (other["load"][name] for name in ("x", "y", "F"))
             assert [one["load"][name] for name in ("x", "y", "F")] == pytest.approx((x, y, 2 * force), rel=1e-6)
 
 
-def test_a_calibration_is_of_strain(tmp_path: Path) -> None:
+def test_wrong_calibrations_are_refused(tmp_path: Path) -> None:
     skin = tmp_path / "skin.toml"
     for text, message in (("", "'radial'"), (None, "no calibration")):
         if text is not None:

@@ -1,4 +1,4 @@
-"""What is wrong with a scene, a recording or an option is told in one line, with exit code 2."""
+"""Wrong scenes, recordings and options: one line of error and exit code 2; warnings."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ from tests.kits.touch.one_finger import run_command, write_scene
     (("[[0.5, -0.3", "[[0.5"), "keyframe"),
     (("title =", "title"), "TOML"),
 ])  # fmt: skip
-def test_a_wrong_scene_is_one_line_and_exit_code_two(change: tuple[str, str], message: str, tmp_path: Path) -> None:
+def test_a_wrong_scene_is_refused_in_one_line(change: tuple[str, str], message: str, tmp_path: Path) -> None:
     path = write_scene(tmp_path)
     path.write_text(path.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
     result = run_command(path)
@@ -35,7 +35,7 @@ def test_a_wrong_scene_is_one_line_and_exit_code_two(change: tuple[str, str], me
     assert len(result.stderr.strip().splitlines()) == 1
 
 
-def test_other_mistakes_are_told(tmp_path: Path) -> None:
+def test_wrong_options_are_refused(tmp_path: Path) -> None:
     for arguments, message in (
         ((tmp_path / "none.toml",), "no scene or recording"),
         ((GRIP, "--sign-code", "--dead-band", "1"), "--sign-code has no dead band"),
@@ -54,26 +54,20 @@ def test_other_mistakes_are_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("offset", "words", "told"), [(0.5, (), True), (0.5, ("--tare", "off"), False), (0.0, (), False)]
+    ("offset", "options", "warned"), [(0.5, (), True), (0.5, ("--tare", "off"), False), (0.0, (), False)]
 )
-def test_an_offset_taken_for_a_contact_is_told(
-    offset: float, words: tuple[str, ...], told: bool, tmp_path: Path
+def test_contact_from_the_first_frame_is_warned_about(
+    offset: float, options: tuple[str, ...], warned: bool, tmp_path: Path
 ) -> None:
     array = TaxelArray("pad", 2, 2, 1e-3, 0.0, quantity="force")
     frames = [Frame(0, n / 100, n, np.full((2, 2, 3), offset), np.ones((2, 2), bool)) for n in range(60)]
     write_csv(tmp_path / "pad.csv", FrameStream("pad", (array,), None, 60, frames))
-    result = run_command(tmp_path / "pad.csv", *words)
+    result = run_command(tmp_path / "pad.csv", *options)
     assert result.exit_code == 0
-    assert ("pad: in contact from the first frame, without a tare" in result.stderr) == told
+    assert ("pad: in contact from the first frame, without a tare" in result.stderr) == warned
 
 
-def test_too_many_grasps_are_refused() -> None:
-    result = call("score", "--grasps", "99999999999999")
-    assert result.exit_code == 2
-    assert "not in the range" in result.stderr
-
-
-def test_a_truncated_recording_names_its_line(tmp_path: Path) -> None:
+def test_a_truncated_csv_names_file_and_line(tmp_path: Path) -> None:
     path = tmp_path / "cut.csv"
     write_csv(path, open_source(write_scene(tmp_path)))
     path.write_text(path.read_text(encoding="utf-8")[:-40], encoding="utf-8")
@@ -84,22 +78,22 @@ def test_a_truncated_recording_names_its_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("arguments", [
-    ("score", "--idle-minutes", "nan"), ("score", "--grasps", "1", "--window-ms", "nan"),
+    ("score", "--grasps", "99999999999999"), ("score", "--idle-minutes", "nan"),
+    ("score", "--grasps", "1", "--window-ms", "nan"),
     ("score", GRIP, "--array", GRIP, "--gain", "inf"), ("replay", "a.mcap", "--speed", "nan"),
     ("live", "-p", "x", "--seconds", "inf"), ("record", "-p", "x", "-o", "a.mcap", "--seconds", "nan"),
     ("texture", "classify", "a.npz", "--model", "b.npz", "--confidence", "nan"),
     ("emulate", "--protocol", "native", "--scene", GRIP, "--seed", "-1"),
 ])  # fmt: skip
-def test_numbers_that_are_none_are_refused(arguments: tuple[object, ...]) -> None:
+def test_numbers_out_of_range_are_refused(arguments: tuple[object, ...]) -> None:
     result = call(*arguments)
     assert result.exit_code == 2
     assert "a finite number wanted" in result.stderr or "not in the range" in result.stderr
 
 
-def test_a_recording_by_the_wrong_description_says_what_fits_it_badly(tmp_path: Path) -> None:
-    """Without a word it would be a recording in which nothing happens."""
+def test_a_recording_with_the_wrong_description_is_warned_about(tmp_path: Path) -> None:
     described, stream = sent("native", 0.3)
-    for cols, said in ((2, ""), (3, "unfit")):
+    for cols, warning in ((2, ""), (3, "unfit")):
         text = described.text.replace("cols = 2", f"cols = {cols}")
         path = tmp_path / f"{cols}.mcap"
         recording = Recording(path, parse_description(text, "array.toml"), {}, Epoch.now())
@@ -109,6 +103,6 @@ def test_a_recording_by_the_wrong_description_says_what_fits_it_badly(tmp_path: 
         recording.close({})
         done = run_command(path)
         assert done.exit_code == 0, done.output
-        assert ("bytes of the wire: 0 good" in done.stderr) is bool(said)
-        assert said in done.stderr
-        assert f"left 2 x {cols}, right 2 x {cols}" in done.stderr or not said
+        assert ("bytes of the wire: 0 good" in done.stderr) is bool(warning)
+        assert warning in done.stderr
+        assert f"left 2 x {cols}, right 2 x {cols}" in done.stderr or not warning

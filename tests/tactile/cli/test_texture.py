@@ -1,4 +1,4 @@
-"""`tactile texture`: a folder learned from, told and reported on, and what it refuses in one line."""
+"""`tactile texture train`, `classify` and `report` on folders of slides, and wrong input."""
 
 import json
 import sys
@@ -42,7 +42,7 @@ stop_s = 1.5
 """
 
 
-def said(*words: object) -> str:
+def output(*words: object) -> str:
     done = CliRunner().invoke(main, ["texture", *map(str, words)])
     assert done.exit_code == 0, done.output
     return done.stdout
@@ -63,18 +63,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
-def test_a_folder_is_learned_told_and_reported_on(folder: Path, tmp_path: Path) -> None:
+def test_train_classify_and_report(folder: Path, tmp_path: Path) -> None:
     model = tmp_path / "m.npz"
-    assert "3 materials of 12 slides: 2 features" in said(
+    assert "3 materials of 12 slides: 2 features" in output(
         "train", folder, "-o", model, "--features", "figures", "--window", 64
     )
-    told = json.loads(said("classify", folder, "--model", model, "--json", "--confidence", 0))
-    assert (told["labelled"], told["right"] >= 10) == (12, True)
-    assert "slides with a known material are right" in said("classify", folder, "--model", model)
-    assert "1e+03" not in said("classify", folder, "--model", model, "--speed", 5)
+    classified = json.loads(output("classify", folder, "--model", model, "--json", "--confidence", 0))
+    assert (classified["labelled"], classified["right"] >= 10) == (12, True)
+    assert "slides with a known material are right" in output("classify", folder, "--model", model)
+    assert "1e+03" not in output("classify", folder, "--model", model, "--speed", 5)
     assert "is there already" in refused("train", folder, "-o", model).replace("are", "is")
     assert "the model has windows of 64" in refused("classify", folder, "--model", model, "--window", 128)
-    out = json.loads(said("report", folder, "-o", tmp_path / "out", "--window", 64, "--json"))
+    out = json.loads(output("report", folder, "-o", tmp_path / "out", "--window", 64, "--json"))
     assert out == json.loads((tmp_path / "out" / "report.json").read_text())
     full, figures = out["results"]
     assert (full["features"], figures["features"]) == ("full", "figures")
@@ -88,7 +88,7 @@ def test_a_folder_is_learned_told_and_reported_on(folder: Path, tmp_path: Path) 
     )
 
 
-def test_recordings_are_slides_by_their_folder_or_a_label(tmp_path: Path) -> None:
+def test_recordings_are_labelled_by_folder_or_label_file(tmp_path: Path) -> None:
     for name in ("screw", "rasp"):
         (tmp_path / name).mkdir()
         scene = tmp_path / f"{name}.scene"
@@ -100,7 +100,7 @@ def test_recordings_are_slides_by_their_folder_or_a_label(tmp_path: Path) -> Non
         ("rasp", "one"), ("rasp", "two"), ("screw", "one"), ("screw", "two")
     ]  # fmt: skip
     assert all(0.1 <= one.t[0] < 0.15 and 1.4 < one.t[-1] <= 1.5 for one in found)
-    assert np.median(found[2].force[:, 2]) == pytest.approx(0.3, rel=0.1)  # newtons, located
+    assert np.median(found[2].force[:, 2]) == pytest.approx(0.3, rel=0.1)  # located force [N]
     mu = np.hypot(*found[2].force[:, :2].T) / found[2].force[:, 2]
     assert 0.3 < mu.mean() < 0.45  # the screw's friction is 0.35 to 0.45
     labels = tmp_path / "labels.csv"
@@ -112,7 +112,7 @@ def test_recordings_are_slides_by_their_folder_or_a_label(tmp_path: Path) -> Non
         read_slides(tmp_path, read_slide_labels(labels))
 
 
-def test_what_is_wrong_is_one_line(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_input_is_refused_in_one_line(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "no scene or recording" in refused("report", tmp_path / "none")
     assert "no slides in it" in refused("report", tmp_path)
     (tmp_path / "labels.csv").write_text("recording\n")
@@ -121,19 +121,21 @@ def test_what_is_wrong_is_one_line(folder: Path, tmp_path: Path, monkeypatch: py
     np.savez(tmp_path / "bad.npz", force=np.zeros((3, 3)), length=np.array([4]), t=np.zeros(3))
     assert "force of shape (3, 3); (4, 3) wanted" in refused("report", tmp_path / "bad.npz")
     assert ".npz wanted for a model" in refused("train", folder, "-o", tmp_path / "m.bin")
-    said("train", folder, "-o", tmp_path / "figures.npz", "--features", "figures", "--window", 64)
+    output("train", folder, "-o", tmp_path / "figures.npz", "--features", "figures", "--window", 64)
     for name in [name for name in sys.modules if name.split(".")[0] == "sklearn"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "sklearn", None)
-    json.loads(said("classify", folder, "--model", tmp_path / "figures.npz", "--json"))  # telling does without
+    json.loads(
+        output("classify", folder, "--model", tmp_path / "figures.npz", "--json")
+    )  # classification works without scikit-learn
     for words in (("report", folder), ("train", folder, "-o", tmp_path / "m.npz")):
         line = refused(*words)
         assert "learning textures needs scikit-learn, which is not installed: pip install" in line
 
 
-@pytest.mark.skipif(not SHARED.exists(), reason="shared recordings are not here")
+@pytest.mark.skipif(not SHARED.exists(), reason="the shared recordings are not available")
 def test_materials_of_real_slides() -> None:
-    """A fifth of the slides; the figures of all of them are those of `tactile texture report`."""
+    """Cross-validated accuracy on every fifth slide."""
     from tactile.materials.fit import fit
 
     every = read_slides(SHARED)[::5]

@@ -1,4 +1,4 @@
-"""Thresholds of the array file and of the command line: the same in live, replay, run and after conversions."""
+"""Thresholds of the array file and the command line in live, replay, run and converted recordings."""
 
 import json
 from pathlib import Path
@@ -16,8 +16,8 @@ def events(done: Result, *, as_lines: bool = False) -> list[tuple[Any, ...]]:
     return sorted((one["t_s"], one["finger"], one["kind"], one["ternary"]) for one in found)
 
 
-def test_thresholds_of_an_array_go_with_it(tmp_path: Path) -> None:
-    """A contact level above the grip's strains, and one on the command line below them: the nearer one holds."""
+def test_thresholds_are_stored_with_the_recording(tmp_path: Path) -> None:
+    """A contact level in the array file above the grip's strains, and one on the command line below them."""
     description, stream = sent("native", 0.6)
     plain = write_array(tmp_path, description.text)
     text = plain.read_text(encoding="utf-8") + "[thresholds]\ncontact_level = 0.5\nsigmas = [0, 0, 0]\n"
@@ -26,14 +26,14 @@ def test_thresholds_of_an_array_go_with_it(tmp_path: Path) -> None:
         with device(stream) as emulator:
             live = call("live", "-p", emulator.port, "-a", array, "--record", files[0], "--json", "--tare", "off",
                         "--once", "--replace", *more)  # fmt: skip
-        told = events(live, as_lines=True)
-        assert ("contact" in {kind for _, _, kind, _ in told}) is (level < 0.5)
-        assert events(call("replay", files[0], "--json"), as_lines=True) == told
+        found = events(live, as_lines=True)
+        assert ("contact" in {kind for _, _, kind, _ in found}) is (level < 0.5)
+        assert events(call("replay", files[0], "--json"), as_lines=True) == found
         for file in files:
             if file != files[0]:
                 assert call("convert", files[0], file, "--replace").exit_code == 0
             ran = call("run", file, "--json")
-            assert events(ran) == told
+            assert events(ran) == found
             settings = json.loads(ran.stdout)["settings"]
             assert settings["contact"] == {"dead_band": level, "hysteresis": level / 2}
             assert settings["sigmas"] == {"dead_band": 0, "hysteresis": 0, "contact": 0}
@@ -44,7 +44,7 @@ def test_thresholds_of_an_array_go_with_it(tmp_path: Path) -> None:
     assert bare.exit_code == 0, bare.output
 
 
-def test_what_a_new_array_has_as_comments_is_right(tmp_path: Path) -> None:
+def test_the_commented_lines_of_a_new_array_are_valid(tmp_path: Path) -> None:
     call("new", "array", "all", "-o", tmp_path)
     path = tmp_path / "all.toml"
     names = ("[thresholds]", "dead_band", "hysteresis", "contact_level", "sigmas")

@@ -1,4 +1,4 @@
-"""What people see of a live run: the view, the figures, the pace."""
+"""The live view, its latency percentiles, and replay speed."""
 
 import io
 
@@ -13,7 +13,7 @@ from tactile.wire.source import Chunk, WireSource
 from tests.kits.serial import sent
 
 
-def test_the_view_shows_arrows_events_and_losses() -> None:
+def test_the_live_view_shows_arrows_events_and_losses() -> None:
     description, stream = sent("native", 1.2)
     source = WireSource(description, [Chunk(round(t * 1e9), data) for t, data in stream])
     watch = LiveMonitor(source, lambda line: None)
@@ -21,7 +21,7 @@ def test_the_view_shows_arrows_events_and_losses() -> None:
     watch.tared["left"] = {"t_s": 0.5, "why": "refused: loaded", "detail": ""}
     console = Console(file=io.StringIO(), width=110, force_terminal=True, color_system=None)
     console.print(LiveView(watch, "grip", lambda: "/dev/skin: open"))
-    shown = console.file.getvalue()  # type: ignore[attr-defined]  # it is the StringIO above
+    shown = console.file.getvalue()  # type: ignore[attr-defined]  # a StringIO
     assert "left" in shown
     assert "right" in shown
     assert any(arrow in shown for arrow in "↖↗↘↙↓")
