@@ -1,4 +1,4 @@
-"""Events of large arrays: only what has changed, and enough to have the whole code again."""
+"""Events of large arrays in events.json: only the changed taxels, from which the whole code follows."""
 
 import json
 from dataclasses import replace
@@ -17,7 +17,7 @@ from tactile.settings import Settings
 
 
 def pressed(side: int, frames: int) -> FrameStream:
-    """A patch that wanders over a force array and is pulled to the right."""
+    """A patch that moves over a force array, with shear to the right."""
     array = TaxelArray("pad", side, side, 1e-3, 0.0, quantity="force")
     stream = []
     for n in range(frames):
@@ -35,12 +35,12 @@ def recorded(folder: Path, source: FrameStream) -> list[Event]:
 
 
 @pytest.mark.parametrize(("side", "inline"), [(8, True), (9, False)])
-def test_codes_can_be_followed(tmp_path: Path, side: int, inline: bool) -> None:
+def test_codes_follow_from_the_changes(tmp_path: Path, side: int, inline: bool) -> None:
     events = recorded(tmp_path, pressed(side, 5))
-    told = json.loads((tmp_path / "events.json").read_text(encoding="utf-8"))["events"]
-    assert len(told) == len(events) > 1
+    written = json.loads((tmp_path / "events.json").read_text(encoding="utf-8"))["events"]
+    assert len(written) == len(events) > 1
     code = ["00"] * side**2
-    for one, event in zip(told, events, strict=True):
+    for one, event in zip(written, events, strict=True):
         assert ("ternary" in one, "arrows" in one, "hand" in one) == (inline, inline, inline)
         if inline:
             assert one["ternary"] == event.ternary
@@ -53,13 +53,13 @@ def test_codes_can_be_followed(tmp_path: Path, side: int, inline: bool) -> None:
 
 def test_a_large_array_makes_a_small_file(tmp_path: Path) -> None:
     recorded(tmp_path, pressed(128, 20))
-    assert (tmp_path / "events.json").stat().st_size < 20_000  # whole codes: 80 kB an event
+    assert (tmp_path / "events.json").stat().st_size < 20_000  # whole codes take 80 kB per event
 
 
-def test_fingers_are_followed_apart(tmp_path: Path) -> None:
+def test_changes_are_per_finger(tmp_path: Path) -> None:
     (event, *_) = recorded(tmp_path, pressed(9, 2))
     big, small = pressed(9, 1).arrays[0], TaxelArray("tip", 2, 2, 1e-3, 0.0, quantity="force")
-    told = EventData((big, small))
-    assert len(told(event)["changed"]["taxels"]) == 16
-    assert told(event)["changed"]["taxels"] == []
-    assert told(replace(event, finger="tip", ternary="00" * 4))["ternary"] == "00000000"
+    data = EventData((big, small))
+    assert len(data(event)["changed"]["taxels"]) == 16
+    assert data(event)["changed"]["taxels"] == []
+    assert data(replace(event, finger="tip", ternary="00" * 4))["ternary"] == "00000000"

@@ -1,6 +1,8 @@
-"""The picture of a run: scales are stated, labels can be read, what is not sure looks so."""
+"""The figure of a run: axis limits, arrow scale, label positions, marks of uncertain loads and missing readings."""
 
 import csv
+import itertools
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -12,13 +14,11 @@ from matplotlib.quiver import Quiver, QuiverKey
 
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream
-from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
 from tactile.output.plot import draw, picture
-from tactile.output.plot_plane import _blocks
 from tactile.output.record import RunRecord
-from tactile.pipeline import run
+from tactile.pipeline import FrameReport, run
 from tactile.settings import Settings
 from tactile.sources import open_source
 from tests.kits.paths import SCENES
@@ -47,7 +47,7 @@ def quiver(plane: Any) -> Any:
     return arrows
 
 
-def test_a_constant_is_drawn_as_one() -> None:
+def test_a_constant_signal_has_sensible_limits() -> None:
     figure, _ = drawn(pressed(3))
     normal = axis(figure, "normal [N]")
     low, high = normal.get_ylim()
@@ -60,33 +60,21 @@ def test_a_constant_is_drawn_as_one() -> None:
 
 
 @pytest.mark.parametrize(("shear", "key"), [(3e-3, 0.1), (0.3, 0.2), (1.0, 1.0), (7.0, 5.0)])
-def test_arrows_have_a_stated_scale(shear: float, key: float) -> None:
-    """The longest is no longer than a taxel; noise below the dead band stays small."""
+def test_the_key_states_the_scale_of_the_arrows(shear: float, key: float) -> None:
+    """The longest arrow fits a taxel; arrows below the dead band stay short."""
     figure, _ = drawn(pressed(3, 1.0, shear))
     plane = axis(figure, "y [mm]")
     arrows = quiver(plane)
-    told: Any
-    (told,) = (one for one in plane.artists if isinstance(one, QuiverKey))
-    assert pytest.approx(key) == told.U
-    assert told.text.get_text() == f"shear {key:g} N"
+    key_of_arrows: Any = next(one for one in plane.artists if isinstance(one, QuiverKey))
+    assert pytest.approx(key) == key_of_arrows.U
+    assert key_of_arrows.text.get_text() == f"shear {key:g} N"
     length = np.hypot(arrows.U, arrows.V).max() / arrows.scale
     assert length == pytest.approx(0.85 * min(1.0, shear / 0.1), rel=1e-6)
     assert ("below the dead band" in plane.get_title(loc="left")) == (shear < 0.1)
 
 
-@pytest.mark.parametrize(("shear", "small"), [(0.03, False), (1e-3, True)])
-def test_the_dead_band_is_that_of_the_noise_where_it_was_measured(shear: float, small: bool) -> None:
-    rng, source = np.random.default_rng(3), pressed(3, 1.0, shear, 120)
-    frames = [
-        Frame(0, one.t, one.sequence, one.values * (n >= 60) + 5e-4 * rng.standard_normal((3, 3, 3)), one.valid)
-        for n, one in enumerate(source)
-    ]
-    figure, _ = drawn(FrameStream("pad", source.arrays, None, len(frames), frames), Settings(tare="auto"))
-    assert ("below the dead band" in axis(figure, "y [mm]").get_title(loc="left")) == small
-
-
 @pytest.mark.parametrize(("side", "squares"), [(8, 1), (32, 0), (64, 0)])
-def test_many_taxels_are_no_net(side: int, squares: int) -> None:
+def test_large_arrays_have_no_grid_and_few_arrows(side: int, squares: int) -> None:
     plane = axis(drawn(pressed(side))[0], "y [mm]")
     assert sum(isinstance(one, PatchCollection) for one in plane.collections) == squares
     arrows = quiver(plane)
@@ -95,7 +83,7 @@ def test_many_taxels_are_no_net(side: int, squares: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["grip.toml", "needle.toml"])
-def test_labels_lie_apart_and_within(name: str) -> None:
+def test_labels_do_not_overlap(name: str) -> None:
     figure, collected = drawn(open_source(SCENES / name))
     assert collected.events
     for part in figure.axes:
@@ -107,7 +95,7 @@ def test_labels_lie_apart_and_within(name: str) -> None:
         assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
-def test_frames_of_the_tare_are_no_zeros() -> None:
+def test_frames_of_the_tare_are_empty() -> None:
     figure, collected = drawn(pressed(3), Settings(tare=20, backend="reference"))
     columns = collected.columns("pad")
     assert np.isnan(columns.normal[:20]).all()
@@ -115,23 +103,30 @@ def test_frames_of_the_tare_are_no_zeros() -> None:
     assert [text.get_text() for text in axis(figure, "normal [N]").texts] == [" tare"]
 
 
-def test_loads_that_are_not_sure_are_told_apart() -> None:
-    figure, collected = drawn(open_source(SCENES / "needle.toml"))
-    rows = collected._rows["chip"]
-    doubted = [(*row[:9], float(Validity.AMBIGUOUS), *row[10:]) if n < 30 else row for n, row in enumerate(rows)]
-    collected._rows["chip"] = doubted
-    assert collected.columns("chip").validity[:30].tolist() == [Validity.AMBIGUOUS] * 30
-    figure = picture(collected, open_source(SCENES / "needle.toml").arrays, "t")
-    plane = axis(figure, "y [mm]")
-    assert "crosses: uncertain, 30 frames" in plane.get_title(loc="left")
+@pytest.mark.parametrize(("x", "beyond"), [(None, False), (1.0, True)])
+def test_uncertain_loads_are_crosses_and_not_on_the_lines(x: float | None, beyond: bool) -> None:
+    """The first 30 frames of a touch are uncertain, at their place or 1 m away."""
+    source, collected, number = open_source(SCENES / "needle.toml"), Collected(), itertools.count()
+
+    def doubt(report: FrameReport) -> None:
+        if next(number) < 30:
+            moved: dict[str, Any] = {"x": x, "F": 1e6} if x is not None else {}
+            report = replace(report, load=replace(report.load, validity=Validity.AMBIGUOUS, **moved))
+        collected(report)
+
+    run(source, Settings(backend="reference"), [doubt])
+    figure = picture(collected, source.arrays, "t")
+    title = axis(figure, "y [mm]").get_title(loc="left")
+    assert "crosses: uncertain, 30 frames" in title
+    assert ("30 beyond the edge" in title) == beyond
     normal = axis(figure, "normal [N]")
     assert np.isnan(normal.lines[0].get_ydata()[:30]).all()
     assert normal.lines[1].get_ydata().size == 30
-    assert Load().validity is Validity.NO_LOAD
+    assert ("30 of them beyond the axis" in normal.get_legend().get_texts()[0].get_text()) == beyond
 
 
-def test_what_is_not_known_is_not_drawn_as_zero() -> None:
-    """A taxel without a reading had no force and no shear; a recording without readings had a firmest moment."""
+def test_missing_readings_are_not_drawn_as_zero() -> None:
+    """For a taxel without valid readings, and for recordings without any."""
     source = pressed(3, 1.0, 0.3)
     valid = np.ones((3, 3), bool)
     valid[0, 0] = False
@@ -151,28 +146,7 @@ def test_what_is_not_known_is_not_drawn_as_zero() -> None:
     assert not axis(figure, "shear").get_xticks().size
 
 
-def test_means_of_blocks_leave_out_what_is_not_known() -> None:
-    plane = np.ones((4, 4, 2))
-    plane[0, 0], plane[2:, 2:] = np.nan, np.nan
-    assert _blocks(plane, 2)[..., 0].tolist() == [[1.0, 1.0], [1.0, pytest.approx(np.nan, nan_ok=True)]]
-
-
-def test_one_frame_alone_can_be_seen() -> None:
-    figure, _ = drawn(pressed(3, frames=1))
-    dots = [line for line in axis(figure, "normal [N]").lines if line.get_marker() == "."]
-    assert [line.get_ydata().tolist() for line in dots] == [[0.5]]
-
-
-def test_a_long_title_stays_in_the_picture() -> None:
-    source = pressed(2)
-    figure = picture(Collected(), source.arrays, "a long title of somebody " * 20)
-    box = figure._suptitle.get_window_extent()
-    assert box.x0 >= 0
-    assert box.x1 <= figure.bbox.width
-    assert figure._suptitle.get_text().endswith(" ...")
-
-
-def test_nothing_at_all_can_be_drawn(tmp_path: Path) -> None:
+def test_a_run_without_frames_is_drawn(tmp_path: Path) -> None:
     source = pressed(2, 0.0)
     collected = Collected()
     draw(collected, source.arrays, "a $title$ of nothing", tmp_path / "none.png")
@@ -182,7 +156,9 @@ def test_nothing_at_all_can_be_drawn(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("rows", "cols", "names"), [(1, 3, ["x", "y: not known"]), (3, 1, ["x: not known", "y"])])
-def test_one_row_or_column_knows_one_shear_and_says_so(tmp_path: Path, rows: int, cols: int, names: list[str]) -> None:
+def test_the_unknown_shear_of_one_row_or_column_is_marked(
+    tmp_path: Path, rows: int, cols: int, names: list[str]
+) -> None:
     (tmp_path / "line.toml").write_text(
         "title = 'line'\nrate_hz = 50\nduration_s = 0.5\n[cover]\nyoungs_modulus_mpa = 2.4\nquantity = 'stress'\n"
         f"[[finger]]\nname = 'line'\nrows = {rows}\ncols = {cols}\npitch_mm = 1.5\ndepth_mm = 1.5\n"
@@ -193,7 +169,7 @@ def test_one_row_or_column_knows_one_shear_and_says_so(tmp_path: Path, rows: int
     assert [text.get_text() for text in legend.get_texts()] == names
 
 
-def test_loads_at_once_are_all_in_the_picture_and_the_record(tmp_path: Path) -> None:
+def test_simultaneous_loads_are_drawn_and_recorded(tmp_path: Path) -> None:
     scene = tmp_path / "two.toml"
     loads = "".join(
         f'[[load]]\nfinger = "tip"\npath = [[0.1, {x}, 0, 0, 0, 0], [0.2, {x}, 0, 0, 0, 0.3], [0.4, {x}, 0, 0, 0, 0.3]]'

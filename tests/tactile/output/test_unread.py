@@ -1,4 +1,4 @@
-"""Readings that are no numbers are counted and told, change nothing else, and make no library speak."""
+"""Readings that are not finite or huge: counted and reported, without warnings of libraries."""
 
 import warnings
 from pathlib import Path
@@ -20,7 +20,7 @@ NONE = [np.nan, np.inf, -np.inf, 1e300, -1.7e308]
 
 
 def damaged(path: Path, value: float, share: float) -> tuple[Path, Array]:
-    """Write the example with ``value`` in a share of its readings; return which taxels of its first finger have it."""
+    """Write the example with ``value`` in a share of its readings; return the mask of those of its first finger."""
     with np.load(GRASP) as file:
         arrays = {name: file[name] for name in file.files}
     hit = np.random.default_rng(3).random(arrays["s0_valid"].shape) < share
@@ -39,7 +39,7 @@ def ran(path: Path, *more: Any) -> Any:
 
 
 @pytest.mark.parametrize("value", NONE)
-def test_a_recording_in_which_nothing_can_be_read(value: float, tmp_path: Path) -> None:
+def test_a_recording_without_valid_readings(value: float, tmp_path: Path) -> None:
     path, _ = damaged(tmp_path / "r.npz", value, 1.0)
     done = ran(path, "-o", tmp_path / "out")
     assert "no events" in done.stdout
@@ -48,28 +48,27 @@ def test_a_recording_in_which_nothing_can_be_read(value: float, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("value", [np.nan, 1e300])
-def test_what_can_be_read_is_used_and_the_rest_counted(value: float, tmp_path: Path) -> None:
+def test_valid_readings_are_used_and_invalid_ones_counted(value: float, tmp_path: Path) -> None:
     path, hit = damaged(tmp_path / "r.npz", value, 0.1)
     done = ran(path, "-o", tmp_path / "out")
     frames, empty = int(hit.any((1, 2)).sum()), int(hit.all((1, 2)).sum())
-    said = f"left: {int(hit.sum())} readings of taxels in {frames} of 1200 frames could not be read"
-    assert said + (f", in {empty} frames none" if empty else "") + "\n" in done.stderr
+    message = f"left: {int(hit.sum())} readings of taxels in {frames} of 1200 frames could not be read"
+    assert message + (f", in {empty} frames none" if empty else "") + "\n" in done.stderr
     marked, _ = damaged(tmp_path / "nan.npz", np.nan, 0.1)
     assert ran(marked, "--json").stdout.count("latency_s") == ran(path, "--json").stdout.count("latency_s") > 10
 
 
-def test_a_folder_tells_of_each_recording(tmp_path: Path) -> None:
+def test_a_folder_reports_every_recording(tmp_path: Path) -> None:
     damaged(tmp_path / "a.npz", np.nan, 1.0)
     write_npz(tmp_path / "b.npz", open_source(GRASP))
-    said = ran(tmp_path).stdout
-    assert said.count("no taxel could be read") == 2
+    assert ran(tmp_path).stdout.count("no taxel could be read") == 2
 
 
-def test_counts_by_hand() -> None:
+def test_counts_of_a_small_example() -> None:
     array = TaxelArray("tip", 2, 2, 1e-3, 1e-3)
     unread, yes = InvalidReadings((array,)), np.ones((2, 2), bool)
     values = np.zeros((4, 2, 2, 3))
-    values[:, 0, 0, 1] = np.nan  # a taxel that is never read
+    values[:, 0, 0, 1] = np.nan  # a taxel without a valid reading
     values[1, 1, 1, 2] = np.inf
     values[2] = -np.inf
     marked = np.array([yes, yes, yes, [[True, True], [False, True]]])
