@@ -1,6 +1,7 @@
-"""Reader of a taxel array from a table of a TOML file."""
+"""Taxel arrays in tables of TOML files: reader and writer."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping
 from typing import Any, cast, get_args
 
 from cnnsim.support import InputError, naming
@@ -57,3 +58,26 @@ def take_quantity(table: Mapping[str, Any], where: str) -> Quantity:
         wanted = ", ".join(get_args(Quantity))
         raise InputError(f"{where}: quantity = {quantity!r}, one of {wanted} wanted{line_of(table, 'quantity')}")
     return cast(Quantity, quantity)
+
+
+def array_table(array: TaxelArray, unit: str) -> dict[str, Any]:
+    """Return the table that `take_array` reads with this ``unit``."""
+    scale = {"m": 1.0, "mm": 1e3}[unit]
+    table: dict[str, Any] = {"name": array.name, "rows": array.rows, "cols": array.cols}
+    table |= {f"pitch_{unit}": float(array.pitch) * scale, f"depth_{unit}": float(array.depth) * scale}
+    if array.thickness is not None:
+        table[f"thickness_{unit}"] = float(array.thickness) * scale
+    return table | {f"origin_{unit}": [float(at) * scale for at in array.origin], "quantity": array.quantity}
+
+
+def toml_text(top: Mapping[str, Any], fingers: Iterable[Mapping[str, Any]]) -> str:
+    """Return the TOML text of texts, numbers, flags and lists, with the tables [[finger]]."""
+    lines = [f"{key} = {_toml(value)}" for key, value in top.items()]
+    for finger in fingers:
+        lines += ["[[finger]]", *(f"{key} = {_toml(value)}" for key, value in finger.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    # JSON values are TOML values, except for a bare DEL
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")

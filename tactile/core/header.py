@@ -21,13 +21,12 @@ CSV stores it in comment lines, NPZ in the array ``tactile``, Parquet in its met
     calibrated = false                     (readings are in the unit of the wire; optional)
 """
 
-import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, parse_toml, take, take_tables
-from tactile.core.array_table import take_array
+from tactile.core.array_table import array_table, take_array, toml_text
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance, Source, provenance
 
@@ -61,36 +60,20 @@ def header_text(source: Source) -> str:
     names = [array.name for array in source.arrays]
     if len(set(names)) < len(names):
         raise InputError(f"fingers {names}: each needs a name of its own to be written")
-    return "\n".join(_lines(source)) + "\n"
-
-
-def _lines(source: Source) -> Iterator[str]:
     known = provenance(source)
-    yield "tactile_recording = 1"
-    yield f"title = {_text(source.title)}"
+    top: dict[str, Any] = {"tactile_recording": 1, "title": source.title}
     if source.modulus is not None:
-        yield f"youngs_modulus_pa = {float(source.modulus)!r}"
+        top["youngs_modulus_pa"] = float(source.modulus)
     if known.start_ns is not None:
-        yield f"start_ns = {known.start_ns}"
+        top["start_ns"] = known.start_ns
     if known.untared:
-        yield "untared = true"
+        top["untared"] = True
     if known.description:
-        yield f"array_description = {_text(known.description)}"
+        top["array_description"] = known.description
     if known.choices:
-        yield f"live_choices = {_text(known.choices)}"
-    for array in source.arrays:
-        yield "[[finger]]"
-        yield f"name = {_text(array.name)}"
-        yield f"rows = {array.rows}"
-        yield f"cols = {array.cols}"
-        yield f"pitch_m = {float(array.pitch)!r}"
-        yield f"depth_m = {float(array.depth)!r}"
-        if array.thickness is not None:
-            yield f"thickness_m = {float(array.thickness)!r}"
-        yield f"origin_m = [{float(array.origin[0])!r}, {float(array.origin[1])!r}]"
-        yield f'quantity = "{array.quantity}"'
-        if array.name in known.uncalibrated:
-            yield "calibrated = false"
+        top["live_choices"] = known.choices
+    raw = {name: {"calibrated": False} for name in known.uncalibrated}
+    return toml_text(top, (array_table(array, "m") | raw.get(array.name, {}) for array in source.arrays))
 
 
 def read_header(text: str, where: str, place: str = "") -> RecordingHeader:
@@ -128,8 +111,3 @@ def _flag(table: dict[str, Any], key: str, where: str, default: bool) -> bool:
     if not isinstance(value, bool):
         raise InputError(f"{where}: {key} = {value!r}, true or false wanted")
     return value
-
-
-def _text(text: str) -> str:
-    """Return a TOML string: a JSON string with DEL escaped, which TOML requires."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")

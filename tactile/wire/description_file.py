@@ -23,8 +23,6 @@ sigmas = [4, 6, 3]              # as --sigmas
 sign_code = false               # as --sign-code
 """
 
-import json
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +42,7 @@ from cnnsim.support.toml_file import (
     take_tables,
 )
 from tactile.calibration.gains import Gains
-from tactile.core.array_table import take_array, take_count
+from tactile.core.array_table import take_array, take_count, toml_text
 from tactile.core.file_kinds import refuse_other_kind
 from tactile.core.frame import TaxelArray
 from tactile.thresholds.choices import take_choices
@@ -137,23 +135,7 @@ def default_description(protocol: str) -> Description:
     wire = find_format(protocol)
     if not wire.fingers:
         raise InputError(f"protocol {protocol!r} does not say how the taxels lie: --array FILE wanted (CONNECT.md)")
-    return parse_description(write_description({"protocol": protocol}, wire.fingers), protocol)
-
-
-def write_description(top: dict[str, Any], fingers: Iterable[dict[str, Any]]) -> str:
-    """Return the TOML text of tables of texts, numbers and lists."""
-    lines = [f"{key} = {_toml(value)}" for key, value in top.items() if not isinstance(value, dict)]
-    for name, table in top.items():
-        if isinstance(table, dict) and table:
-            lines += [f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
-    for finger in fingers:
-        lines += ["[[finger]]", *(f"{key} = {_toml(value)}" for key, value in finger.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _toml(value: Any) -> str:
-    # JSON values are TOML values, except for a bare DEL
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
+    return parse_description(toml_text({"protocol": protocol}, wire.fingers), protocol)
 
 
 def _board(table: dict[str, Any], where: str) -> Board:

@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
+from tactile.core.array_table import array_table, toml_text
 from tactile.core.frame import Frame
 from tactile.core.source import Source
 from tactile.wire.arrange import back
 from tactile.wire.base import Encoder, Taxels
 from tactile.wire.description import Description
-from tactile.wire.description_file import parse_description, write_description
+from tactile.wire.description_file import parse_description
 from tactile.wire.registry import find_format
 
 FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}
@@ -32,14 +33,9 @@ def emulated_description(protocol: str, source: Source) -> Description:
     wire = find_format(protocol)
     if wire.single and len(source.arrays) > 1:
         raise InputError(f"protocol {protocol!r} carries one array, {source.title!r} has {len(source.arrays)}")
-    fingers: list[dict[str, Any]] = []
+    fingers = []
     for array in source.arrays:
-        finger: dict[str, Any] = {
-            "name": array.name, "rows": array.rows, "cols": array.cols, "pitch_mm": array.pitch * 1e3,
-            "depth_mm": array.depth * 1e3, "origin_mm": [x * 1e3 for x in array.origin], "quantity": array.quantity,
-        }  # fmt: skip
-        if array.thickness is not None:
-            finger["thickness_mm"] = array.thickness * 1e3
+        finger = array_table(array, "mm")
         if wire.pushes and array.quantity != "force":
             finger["axes"] = ["x", "y", "-z"]
         if wire.strong is not None:
@@ -48,7 +44,7 @@ def emulated_description(protocol: str, source: Source) -> Description:
     top: dict[str, Any] = {"title": source.title, "protocol": protocol}
     if source.modulus is not None:
         top["youngs_modulus_mpa"] = source.modulus * 1e-6
-    return parse_description(write_description(top, fingers), f"emulated {protocol}")
+    return parse_description(toml_text(top, fingers), f"emulated {protocol}")
 
 
 def check_form(protocol: str, source: Source) -> None:
