@@ -25,7 +25,6 @@ from tactile.wire.formats.papillarray.packet import (
     START,
     WHOLE,
     Packet,
-    WrongPacketError,
     read_packet,
 )
 from tactile.wire.registry import Format
@@ -77,7 +76,7 @@ class PapillarrayDecoder(Decoder):
         wanted = int.from_bytes(data[mark - 2 : mark], "little")
         total = sum(data[start + 4 : mark - 2])
         while end - start >= SHORTEST:
-            if total & 0xFFFF == wanted and (packet := self._packet(bytes(data[start + 4 : mark - 2]))) is not None:
+            if total & 0xFFFF == wanted and (packet := read_packet(bytes(data[start + 4 : mark - 2]))) is not None:
                 return self._found(start, end, packet)
             later = data.find(START, start + 1, mark)
             if later < 0:
@@ -85,12 +84,6 @@ class PapillarrayDecoder(Decoder):
             total -= sum(data[start + 4 : later + 4])  # bounds the cost of many markers
             start = later
         return None
-
-    def _packet(self, payload: bytes) -> Packet | None:
-        try:
-            return read_packet(payload)
-        except WrongPacketError:
-            return None
 
     def _found(self, start: int, end: int, packet: Packet) -> Found:
         self.counts.bad_checksum += self._buffer.count(START, 0, start)

@@ -32,10 +32,6 @@ Span = tuple[int, int]
 """The places of a block in the payload: from, up to."""
 
 
-class WrongPacketError(Exception):
-    """The payload has an invalid structure."""
-
-
 @dataclass(frozen=True)
 class Packet:
     """Contents of a packet.
@@ -51,23 +47,19 @@ class Packet:
     entry: int | None
 
 
-def read_packet(payload: bytes) -> Packet:
-    """Return the contents of a payload.
-
-    Raises:
-        WrongPacketError: a table, a count or a block that does not fit.
-    """
+def read_packet(payload: bytes) -> Packet | None:
+    """Return the contents of a payload, None if a table, a count or a block does not fit."""
     try:
         width, blocks = _blocks(payload)
         hub, end = blocks[1]
         if end - hub < HUB.size:
-            raise WrongPacketError(f"a hub's block of {end - hub} bytes; {HUB.size} wanted")
+            raise ValueError(f"a hub's block of {end - hub} bytes; {HUB.size} wanted")
         counter, micros = HUB.unpack_from(payload, hub)
         triples = _pillars(payload, blocks[3], width)
         force = _whole(payload, blocks[4], width) if 4 in blocks else None
         entry = _entry(payload[slice(*blocks[6])], width) if 6 in blocks else None
-    except (struct.error, ValueError, KeyError, IndexError) as error:
-        raise WrongPacketError(str(error)) from error
+    except (struct.error, ValueError, KeyError, IndexError):
+        return None
     return Packet(counter, micros, triples, force, entry)
 
 
@@ -82,7 +74,7 @@ def _blocks(payload: bytes) -> tuple[int, dict[int, Span]]:
         at += entry.size
     ends = [*sorted(found.values()), len(payload)]
     if min(ends) < at + 2 or max(ends) > len(payload):
-        raise WrongPacketError(f"blocks from {min(ends)} to {max(ends)} in {len(payload)} bytes")
+        raise ValueError(f"blocks from {min(ends)} to {max(ends)} in {len(payload)} bytes")
     return width, {kind: (start, ends[ends.index(start) + 1]) for kind, start in found.items()}
 
 
@@ -96,14 +88,14 @@ def _pillars(payload: bytes, span: Span, width: int) -> Floats:
         (pillars,) = _number(payload, at, end)
         at += 2 + pillars * width
         if at + pillars * PILLAR.itemsize > end:
-            raise WrongPacketError(f"{pillars} pillars in {end - at} bytes")
+            raise ValueError(f"{pillars} pillars in {end - at} bytes")
         tables.append(np.frombuffer(payload, PILLAR, pillars, at))
         at += pillars * PILLAR.itemsize
     if not sensors or len({len(table) for table in tables}) > 1:
-        raise WrongPacketError(f"{sensors} sensors, with {[len(table) for table in tables]} pillars")
+        raise ValueError(f"{sensors} sensors, with {[len(table) for table in tables]} pillars")
     whole = np.stack(tables)
     if (whole["kind"] != 2).any():
-        raise WrongPacketError("an entry of the pillars' block is no pillar")
+        raise ValueError("an entry of the pillars' block is no pillar")
     triples: Floats = whole["triples"].astype(np.float64)
     return triples
 
@@ -114,14 +106,14 @@ def _whole(payload: bytes, span: Span, width: int) -> Floats:
     (sensors,) = _number(payload, start, end)
     at = start + 2 + sensors * width
     if at + sensors * WHOLE.itemsize > end:
-        raise WrongPacketError(f"{sensors} sensors in {end - at} bytes")
+        raise ValueError(f"{sensors} sensors in {end - at} bytes")
     force: Floats = np.frombuffer(payload, WHOLE, sensors, at)["force"].astype(np.float64)
     return force
 
 
 def _number(payload: bytes, at: int, end: int) -> tuple[int]:
     if at + 2 > end:
-        raise WrongPacketError(f"a number at byte {at} of a block that ends at {end}")
+        raise ValueError(f"a number at byte {at} of a block that ends at {end}")
     return struct.unpack_from("<H", payload, at)
 
 
