@@ -23,8 +23,8 @@ def stream(forces: np.ndarray, rate: float = 200.0, noise: float = 2e-3, seed: i
 def force_stream(t: np.ndarray, values: np.ndarray, pitch: float = 4e-3, *, untared: bool = True) -> FrameStream:
     """Return frames at times t (n,) [s] of forces (n, rows, cols, 3) [N] on one pad."""
     rows, cols = values.shape[1:3]
-    pad, valid = TaxelArray("pad", rows, cols, pitch, 0.0, quantity="force"), np.ones((rows, cols), bool)
-    frames = [Frame(0, time, n, one, valid) for n, (time, one) in enumerate(zip(t.tolist(), values, strict=True))]
+    pad = TaxelArray("pad", rows, cols, pitch, 0.0, quantity="force")
+    frames = [Frame(0, time, n, values[n], np.ones((rows, cols), bool)) for n, time in enumerate(t.tolist())]
     return FrameStream("made", (pad,), None, len(frames), frames, Provenance(untared=untared))
 
 

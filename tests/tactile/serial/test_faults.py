@@ -1,4 +1,4 @@
-"""Faults of an emulated device: each is counted by who reads it, and impossible ones are refused."""
+"""Faults of an emulated device: the reader counts each, and impossible settings are refused."""
 
 from typing import Any
 

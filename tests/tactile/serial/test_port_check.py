@@ -1,4 +1,4 @@
-"""What is wrong with a port is said within three seconds: silence, another protocol, another shape."""
+"""Warnings within three seconds about silence, another protocol or another shape."""
 
 import json
 import time
@@ -24,12 +24,12 @@ def described(protocol: str, rows: int, cols: int, fingers: int = 1) -> Descript
 
 
 @pytest.fixture
-def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+def short_patience(monkeypatch: pytest.MonkeyPatch) -> None:
     assert port_check.PATIENCE + 2 * session.NAP < 3.0
     monkeypatch.setattr(port_check, "PATIENCE", 0.8)
 
 
-@pytest.mark.usefixtures("hasty")
+@pytest.mark.usefixtures("short_patience")
 @pytest.mark.parametrize(("sending", "reading", "message"), [
     ("native", described("native", 3, 3, 2), "whole frames of native are of another shape than described (3 x 3, 3 x"),
     ("native", described("lowiek", 4, 8), "no frame of lowiek in them: another protocol, baud rate (400000)"),
@@ -37,24 +37,26 @@ def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     ("reskin", described("reskin", 1, 5), "bytes belong to no frame of reskin: the device has another number of"),
     ("reskin", described("native", 2, 2), "no frame of native in them"),
 ])  # fmt: skip
-def test_what_does_not_fit_is_said(sending: str, reading: Description, message: str) -> None:
+def test_a_stream_that_does_not_match_the_description_is_reported(
+    sending: str, reading: Description, message: str
+) -> None:
     description, _ = sent(sending, 0.1)
-    said: list[str] = []
+    warnings: list[str] = []
     with device(packets(description, grip(4.0), loop=True)) as emulator:
 
         def warn(text: str) -> None:
-            said.append(text)
+            warnings.append(text)
             running.stop()
 
         running = session.Session(emulator.port, reading, seconds=6, warn=warn)
         for _ in running.source:
             pass
-    assert len(said) == 1
-    assert message in said[0]
+    assert len(warnings) == 1
+    assert message in warnings[0]
 
 
-@pytest.mark.usefixtures("hasty")
-def test_silence_is_said_and_so_is_nothing_where_all_is_well(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("short_patience")
+def test_silence_is_reported_and_a_matching_stream_is_not(tmp_path: Path) -> None:
     description, _ = sent("native", 0.1)
     array = write_array(tmp_path, description.text)
 
@@ -72,7 +74,7 @@ def test_silence_is_said_and_so_is_nothing_where_all_is_well(tmp_path: Path) -> 
     assert "is open, but nothing comes: is the device on" in texts[0]
     with device(silent(0.5)) as emulator:
         result = record("s.mcap", "--seconds", "0.3")
-    assert result.stderr.count("warning: port") == 1  # at the end at the latest
+    assert result.stderr.count("warning: port") == 1  # at the latest at the end
     with device(packets(description, grip(4.0), loop=True)) as emulator:
         result = record("t.mcap", "--seconds", "1.6")
     assert result.stderr == ""
