@@ -53,7 +53,7 @@ def check_times(plan: Plan, times: Floats) -> None:
     """Refuse times, in ascending order, after the end of a fixed duration.
 
     Raises:
-        InputError: both times.
+        InputError: a time is later; the message has both times.
     """
     if plan.duration != "settled" and times[-1] > plan.duration * (1 + 1e-9):
         raise InputError(f"record: time {times[-1]:g} after the end of the run; 0 to {plan.duration:g} wanted")
@@ -69,8 +69,8 @@ def recorded(
 ) -> Trajectory:  # fmt: skip
     """Return states at times, or of cells at every step up to ``end``: the states of the run itself.
 
-    A time is rounded to a step, whose own time the trajectory has; closed forms and the adaptive scheme have no
-    steps and meet every time. A network that has settled goes on as it would have.
+    A time is rounded to the nearest step, and the trajectory has the time of that step. Closed forms and the adaptive
+    scheme give every time exactly. A settled network is run on to times after its end.
 
     Arguments: ``state`` x(0), in the backend's dtype; ``wanted`` from `parse_record`; ``output`` y at the end;
     ``sequences`` whether planes change with time.
@@ -102,7 +102,10 @@ def recorded(
 
 
 def _states(plan: Plan, state: Array, run: Run, steps: Sequence[int], restart: bool) -> Iterator[Array]:
-    """Yield the states after numbers of steps; ``restart``: from x(0) each, as with delays a state is not enough."""
+    """Yield the states after the given numbers of steps.
+
+    ``restart``: each run begins at x(0), because with delays one state does not determine the next.
+    """
 
     @cache  # a backend prepares a plan once
     def of(count: int) -> Plan:

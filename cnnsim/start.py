@@ -1,7 +1,7 @@
 """Start of a command line: Ctrl-C ends it with one line, also while libraries are imported.
 
-An exception within an import would end in a traceback, or be lost where a library catches it. This module imports
-next to nothing: until it has run, Ctrl-C is answered by the interpreter.
+An exception within an import would end in a traceback, or be lost where a library catches it. This module imports few
+modules, because until it has run, the interpreter handles Ctrl-C.
 """
 
 import os
@@ -20,19 +20,19 @@ def start(group: str, prog_name: str | None = None) -> None:
 
 
 def end_at_once() -> None:
-    """Let Ctrl-C end the process as it is, unless somebody else has taken the signal: nothing is open yet."""
+    """Let Ctrl-C end the process without cleanup, as nothing is open yet; another handler of SIGINT is kept."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
 
 
 def raise_again() -> None:
-    """Let Ctrl-C be a KeyboardInterrupt again, for what has to be closed in good order."""
+    """Let Ctrl-C raise KeyboardInterrupt again, so that open files and devices are closed."""
     if signal.getsignal(signal.SIGINT) is _end:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def leave() -> None:
-    """End the process as it is, with `STOPPED`; a hidden cursor is shown again."""
+    """End the process without cleanup, with `STOPPED`; a hidden cursor is shown again."""
     if sys.stderr.isatty():
         os.write(sys.stderr.fileno(), b"\x1b[?25h\n")
     os._exit(STOPPED)
@@ -41,5 +41,5 @@ def leave() -> None:
 def _end(*_of: object) -> None:
     try:
         os.write(2, b"stopped\n")
-    finally:  # nobody may read it
+    finally:  # stderr may be closed
         os._exit(STOPPED)

@@ -59,7 +59,7 @@ class Task:
         """Refuse a run on a large grid that needs more memory than is free, before the machine swaps.
 
         Raises:
-            InputError: both sizes, and what to do.
+            InputError: too little memory is free; the message has both sizes and a remedy.
         """
         if self.state.size < LARGE:
             return

@@ -42,8 +42,8 @@ def run_transient(
     Arguments: ``choices`` are input, bias, mask, boundary, duration, cell, scheme, step, limit, without, accuracy, as
     in `make_task`; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
     ``threads`` of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column)
-    to be kept at every step: the result then has them as its ``trajectory``, by the steps of the run itself, or with an
-    accuracy (times only) each solved by itself;
+    to record at every step: the result then has a ``trajectory``, from the steps of the run, or with an accuracy
+    (times only) from a solution for each time;
     ``engine`` for grids that are larger than the memory, or for other machines: "processes", "dask", "dask=ADDRESS" or
     an `Engine`, with the folder of its ``store``. Planes may be Zarr arrays then, and so is the result of such a state.
 
@@ -88,7 +88,7 @@ def trajectory(
     threads: int | None = None,
     **choices: Unpack[TaskOptions],
 ) -> Iterator[tuple[float, Array]]:
-    """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``until``, however long ``duration`` is.
+    """Yield (t, y) at ``frames`` + 1 evenly spaced times from 0 to ``until``; ``duration`` does not matter.
 
     Arguments and errors: as `run_transient`.
     """

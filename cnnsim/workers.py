@@ -76,7 +76,7 @@ _COMPUTING = threading.Lock()
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Compute on one thread in a block; threads of one worker take turns."""
+    """Compute on one thread in a block; only one thread of a worker computes at a time."""
     import numba  # slow to import
 
     with _COMPUTING:

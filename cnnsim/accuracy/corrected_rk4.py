@@ -8,7 +8,7 @@ gives that integral to O(h^3). Adding A(i, j) times the difference to each neigh
 from cnnsim.support.compiled_loops import kept_helper, kept_njit
 
 PARTS = 8
-"""Chords by which the cubic is integrated: their error is far below that of the cubic."""
+"""Number of chords in the integral of the cubic: their error is far below that of the cubic."""
 
 
 @kept_helper(error_model="numpy")
@@ -25,7 +25,7 @@ def primitive(v):  # type: ignore[no-untyped-def]
 
 @kept_njit(error_model="numpy")
 def clipped_integral(c0, c1, c2, c3):  # type: ignore[no-untyped-def]
-    """Return the integral from 0 to 1 of c0 + c1 t + c2 t^2 + c3 t^3 clipped to -1..1, by chords."""
+    """Return the integral from 0 to 1 of c0 + c1 t + c2 t^2 + c3 t^3 clipped to [-1, 1], with `PARTS` chords."""
     total, a = 0.0, c0
     for n in range(1, PARTS + 1):
         t = n / PARTS
@@ -40,7 +40,7 @@ def clipped_integral(c0, c1, c2, c3):  # type: ignore[no-untyped-def]
 
 @kept_helper(error_model="numpy")
 def product(matrix, taps, y, total):  # type: ignore[no-untyped-def]
-    """Write A y: by shifted rows of the whole grid, and at its edge by the compressed rows of A."""
+    """Write A y to ``total``: from shifted outputs inside the grid, from the sparse rows of A at its edge."""
     at, there, weight = matrix
     offsets, weights, edge = taps
     total[:] = 0.0

@@ -1,8 +1,8 @@
 """The rest of a linear template near a state, solved for directly, and whether it is stable.
 
-At rest y = clip(A y + w). With the saturated cells known, the others solve (I - A) y = w + the saturated part: a sparse
-linear system, the five-point Laplacian for diffusion. Where the solution saturates other cells it is solved again with
-those (Newton's method for piecewise linear equations).
+At rest y = clip(A y + w). If the saturated cells are known, the others solve (I - A) y = w + the saturated part: a
+sparse linear system, the five-point Laplacian for diffusion. If the solution changes the set of saturated cells, the
+system is solved again with the new set (Newton's method for piecewise linear equations).
 """
 
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ from cnnsim.support import Flags, Floats
 
 _ROUNDS = 30
 _ROUNDING = 1e-9
-"""Of a solution's residual, for drives of size 1."""
+"""Largest residual of a solution that is attributed to rounding, for drives of size 1."""
 _MOST_DENSE = 400
-"""Cells of which all modes are computed, in a fifth of a second."""
+"""Most cells for which all modes are computed; this takes a fifth of a second."""
 _NEUTRAL = 1e-9
 """A mode slower than this part of the fastest one neither grows nor decays."""
 
@@ -44,7 +44,7 @@ def find_rest(system: LinearSystem, x: Floats, tolerance: float) -> Rest | None:
     """
     drive = system.matrix @ x.clip(-1, 1) + system.drive
     found = _newton(system, x, system.free & (np.abs(drive) < 1), tolerance)
-    if found is None and system.definite:  # there is one rest; from far away no cell is known to be saturated there
+    if found is None and system.definite:  # there is one rest; far from it, assume no saturated cells
         found = _newton(system, x, system.free, tolerance)
     if found is None:
         return None
@@ -56,7 +56,7 @@ def find_rest(system: LinearSystem, x: Floats, tolerance: float) -> Rest | None:
 
 
 def _newton(system: LinearSystem, x: Floats, linear: Flags, tolerance: float) -> tuple[Floats, Flags, Any] | None:
-    """Return the outputs at rest, the linear cells and I - A among them; ``linear`` are the first guess."""
+    """Return the outputs at rest, the linear cells, and I - A restricted to these; ``linear`` is the first guess."""
     matrix, free = system.matrix, system.free
     y = x.clip(-1, 1)
     for _ in range(_ROUNDS):
@@ -80,17 +80,17 @@ def _newton(system: LinearSystem, x: Floats, linear: Flags, tolerance: float) ->
 
 
 def _leak(matrix: Any, cells: Any) -> Any:
-    """Return I - A among some cells."""
+    """Return I - A restricted to some cells."""
     from scipy.sparse import identity  # slow to import, and only needed here
 
     return (identity(cells.size, format="csr") - matrix[cells][:, cells]).tocsc()
 
 
 def _is_approached(system: LinearSystem, x: Floats, y: Floats, linear: Flags) -> bool:
-    """Return whether a state goes to this rest and to no other.
+    """Return whether a state approaches this rest and no other.
 
-    There is no other if I - A is definite among all free cells; else the state must be so near that no cell of it can
-    meet a kink on its way: the distance (in the sum of squares) of a symmetric network only shrinks.
+    There is no other if I - A, restricted to the free cells, is definite. Otherwise the state must be so near that no
+    linear cell can reach a kink: the Euclidean distance to the rest of a symmetric network never grows.
     """
     if system.definite or is_stable(_leak(system.matrix, np.flatnonzero(system.free))):
         return True
@@ -100,10 +100,10 @@ def _is_approached(system: LinearSystem, x: Floats, y: Floats, linear: Flags) ->
 
 
 def is_stable(leak: Any) -> bool | None:
-    """Return whether every mode of dx/dt = -``leak`` x decays or stands still; None if that is unknown.
+    """Return whether every mode of dx/dt = -``leak`` x decays or is constant; None if this is unknown.
 
-    By Gershgorin's circles, which are enough for diffusion; else for a symmetric matrix by the signs of its factors
-    (Sylvester's law of inertia); else by all of the modes.
+    Gershgorin's circles decide first; they are enough for diffusion. Then the eigenvalues of a small matrix decide, or
+    for a large symmetric one the signs of its factors (Sylvester's law of inertia).
     """
     if leak.shape[0] == 0:
         return True

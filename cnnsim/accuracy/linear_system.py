@@ -18,7 +18,7 @@ class LinearSystem:
 
     ``matrix`` (cells, cells) is A as a sparse matrix, to which virtual cells that repeat real ones belong; ``drive``
     (cells,) is w = B*u + z + bias and the part of virtual cells of constant output. ``inverse``: an approximate inverse
-    of I - A; ``definite``: no mode grows, whatever cells are free.
+    of I - A; ``definite``: no mode grows for any set of free cells.
     """
 
     matrix: Any
@@ -38,12 +38,12 @@ def linear_system(taps: tuple[Tap, ...], shape: tuple[int, int], boundary: Bound
 
     rows, cols = shape
     cells, r = rows * cols, reach((k, l) for k, l, _ in taps)
-    above, beside = virtual_index(rows, r, boundary), virtual_index(cols, r, boundary)
+    row_of, col_of = virtual_index(rows, r, boundary), virtual_index(cols, r, boundary)
     here = np.arange(cells)
     at: list[Any] = []
     drive = np.zeros(cells)
     for k, l, weight in taps:
-        row, col = above[r + k : r + k + rows, None], beside[None, r + l : r + l + cols]
+        row, col = row_of[r + k : r + k + rows, None], col_of[None, r + l : r + l + cols]
         there = np.where((row < 0) | (col < 0), -1, row * cols + col).ravel()
         real = there >= 0
         drive[~real] += weight * boundary.y

@@ -1,4 +1,4 @@
-"""A transient as an initial value problem that can be solved several times, and its solution to an accuracy."""
+"""The initial value problem of a transient, which can be solved repeatedly, and its solution to an accuracy."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from cnnsim.support import Array, Flags
 
 
 class Start(Protocol):
-    """Runs a transient on a backend by a plan, from its own state or another."""
+    """Runs a transient on a backend by a plan, from its own initial state or from ``state``."""
 
     def __call__(self, where: Backend, plan: Plan, state: Array | None = None, /) -> Outcome:
         """Return the outcome."""
@@ -22,9 +22,9 @@ class Start(Protocol):
 
 @dataclass(frozen=True)
 class Solution:
-    """The end of a transient to an accuracy: the state, its estimated error, and the cells that are undecided.
+    """The end of a transient to an accuracy: the state, its estimated error, and the undecided cells.
 
-    ``plan`` is that of the last run; ``how`` says in words how the solution was found.
+    ``plan`` is the plan of the last run; ``how`` is a text about how the solution was found.
     """
 
     x: Array

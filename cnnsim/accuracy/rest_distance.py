@@ -1,8 +1,8 @@
 """Distance of a settled network from its rest: bounded, solved for, or estimated from the decay of its changes.
 
-A small rate alone says little: of a mode that decays at the rate s the distance is |dx/dt| / s, and diffusion on n
-cells has s = (pi / n)^2. The distance is bounded where A is a contraction, solved for where the template is linear, and
-estimated from the decay of the changes otherwise.
+A small |dx/dt| alone gives no bound: the distance of a mode that decays at the rate s is |dx/dt| / s, and diffusion on
+n cells has s = (pi / n)^2. The distance is bounded if A is a contraction, solved for if the template is linear, and
+otherwise estimated from the decay of the changes.
 """
 
 import math
@@ -30,8 +30,8 @@ Run = Callable[[Array, float], Array]
 class Ending(NamedTuple):
     """The rest of a transient: its state, the time, the largest distance of an output from it.
 
-    ``undecided`` marks the cells on a separatrix, where the smallest perturbation decides; ``how`` says how the
-    distance is known. A ``distance`` above the one asked for: the transient never settled.
+    ``undecided`` marks the cells on a separatrix, where the smallest perturbation decides. ``how`` describes how the
+    distance was found. If ``distance`` is above the one requested, the transient has not settled.
     """
 
     x: Any
@@ -54,12 +54,12 @@ class SettledState:
     run: Run
 
     def ending(self, x: Array, t: float, rate: float, distance: float) -> Ending:
-        """Return the rest of a transient with a small rate, with its outputs within ``distance``."""
+        """Return the rest that a state ``x`` with a small ``rate`` approaches, its outputs accurate to ``distance``."""
         separatrix = np.zeros(x.shape, bool)
         return self._solved(x, t, rate, distance, separatrix) or self._decayed(x, t, distance, separatrix)
 
     def _solved(self, x: Array, t: float, rate: float, distance: float, separatrix: Flags) -> Ending | None:
-        """Return the rest that is solved for, None where there is none; cells on a separatrix are marked in it."""
+        """Return the rest found by the linear solver, else None; marks the cells on a separatrix in ``separatrix``."""
         if self.drive is None:
             return None
         plan = self.plan

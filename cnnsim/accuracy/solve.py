@@ -22,7 +22,7 @@ def solve(problem: TransientProblem, backend: Backend, tolerance: Tolerance) -> 
     """Solve a transient to an accuracy on a backend, in float64 where float32 cannot give it.
 
     Raises:
-        InputError: a device without float64 where that is needed; a state that is not finite.
+        InputError: float64 is needed and the device has none; a state is not finite.
     """
     where, note, plan = backend, "", problem.plan
     if tolerance.dtype == "float64" and backend.dtype != "float64":
@@ -56,7 +56,7 @@ def solve(problem: TransientProblem, backend: Backend, tolerance: Tolerance) -> 
 
 
 def solve_at(problem: TransientProblem, where: Backend, tolerance: Tolerance, t: float) -> tuple[float, Solution]:
-    """Return a time and the solution there, whatever the transient's duration is.
+    """Return a time and the solution at it, independent of the transient's duration.
 
     The time is ``t``, or the nearest step where delays, sequences or discrete time allow whole steps only.
     """
@@ -69,15 +69,15 @@ def solve_at(problem: TransientProblem, where: Backend, tolerance: Tolerance, t:
 def record_solutions(
     problem: TransientProblem, where: Backend, tolerance: Tolerance, record: tuple[CellIndex, ...] | Floats
 ) -> tuple[Trajectory, float]:
-    """Return the states at times (from `parse_record`), each solved by itself, and the largest estimated error.
+    """Return the states at times (from `parse_record`), each solved separately, and the largest error estimate.
 
     Raises:
         InputError: cells; a time after the end of a fixed duration.
     """
     if not isinstance(record, np.ndarray):
         raise InputError(
-            "record: cells are recorded at every step, and runs to an accuracy have no common steps; times, or cells "
-            "with a scheme and a step, wanted"
+            "record: cells are recorded at every step, but the runs of an accuracy differ in their steps; times, or "
+            "cells with a scheme and a step, wanted"
         )
     check_times(problem.plan, record)
     found = dict(solve_at(problem, where, tolerance, float(t)) for t in record)
@@ -86,7 +86,7 @@ def record_solutions(
 
 
 def decision(plan: Plan, tolerance: Tolerance, shape: tuple[int, ...]) -> tuple[str, str]:
-    """Return how a state of a shape is solved to an accuracy, and why, for people."""
+    """Return how a transient of this shape is solved to an accuracy, and why, as text for `explain`."""
     if plan.cell == "discrete-time" or plan.method == "closed form":
         why = "the plan's own method, which is exact"
     elif plan.duration == "settled":

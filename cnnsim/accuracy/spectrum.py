@@ -16,7 +16,7 @@ def spectral_inverse(taps: tuple[Tap, ...], shape: tuple[int, int], boundary: Bo
 
     Sines vanish on virtual cells of output 0, cosines repeat themselves beyond an edge, a torus has Fourier's waves;
     (I - A) times such a wave is 1 - sum A(k, l) cos(k p) cos(l q) times it. That is exact for a symmetric A of radius
-    1, and near enough for `scipy.sparse.linalg.cg` else. Waves that A leaves as they are, are left as they are.
+    1, and near enough for `scipy.sparse.linalg.cg` else. Waves that A does not change are not changed.
     """
     p, q = (_frequencies(n, boundary) for n in shape)
 

@@ -10,7 +10,7 @@ Accuracy = float | str
 """A number, "binary" or "exact"; the command line has the number as text."""
 
 FLOAT32 = 3e-4
-"""The smallest tolerance in float32: of 400 random transients its rounding alone cost 2e-5 in one of twenty."""
+"""The smallest tolerance in float32: in one of 20 of 400 random transients, its rounding error was above 2e-5."""
 EXACT = 1e-10
 LEAST = 1e-12
 """Sums of a hundred steps in float64 are no more accurate than that."""
@@ -25,7 +25,7 @@ class Tolerance:
 
     @property
     def dtype(self) -> str:
-        """The shortest numbers that can give it."""
+        """The smallest dtype whose rounding errors are below the tolerance."""
         return "float32" if self.error >= FLOAT32 else "float64"
 
     def __str__(self) -> str:
@@ -36,7 +36,7 @@ def read_accuracy(data: dict[str, Any], where: str) -> Accuracy | None:
     """Return the accuracy in a table of a file, None if it has none.
 
     Raises:
-        InputError: a value that is no accuracy.
+        InputError: the value is not an accuracy.
     """
     if "accuracy" not in data:
         return None

@@ -84,7 +84,7 @@ class Backend(Protocol):
     def transient(
         self, plan: Plan, x: Plane, u: Plane | None, bias: Plane | None = None, mask: Plane | None = None
     ) -> Outcome:
-        """Run a transient from the state ``x``; LAM planes, but ``mask`` (LLM): black cells keep their state."""
+        """Run a transient from the state ``x``. Planes are LAM, ``mask`` is LLM: its black cells keep their state."""
 
     def output(self, x: Plane, f: Characteristic = CLIP) -> Plane:
         """Return y = f(x)."""
@@ -153,7 +153,7 @@ class Stepper(Protocol):
     together: int = 1
 
     def start_span(self, step: int) -> None:
-        """Use input and bias of this step from now on; nothing to do where both are constant."""
+        """Use the input and bias of this step from now on; does nothing if both are constant."""
         return
 
     def check_settled(self, step: int, *, last: bool) -> Check:

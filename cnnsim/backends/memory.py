@@ -60,7 +60,7 @@ def _delay(plan: Plan) -> int:
 
 
 def _of_terms(plan: Plan) -> float:
-    """Return the planes of each layer of local weights, and of inputs of several times."""
+    """Return the planes a layer for local weights, and for inputs that are read at several times."""
     planes = _local_weights(plan)
     for table in _tables(plan):
         times = {channel.ago for channel in table.channels if channel.quantity == "u"}
@@ -69,7 +69,7 @@ def _of_terms(plan: Plan) -> float:
 
 
 def _local_weights(plan: Plan) -> float:
-    """Return the planes of each layer of weights that differ from cell to cell."""
+    """Return the planes a layer for weights that differ from cell to cell."""
     return sum(len(table.planes) for table in _tables(plan)) / _layers(plan)
 
 

@@ -28,8 +28,8 @@ _FASTER, _SLOWER = 8.0, 0.1
 class Pace:
     """The units of work that are ``left`` in this slice of a plan; ``work`` estimates the sums in one unit.
 
-    The first slice has at most ``most`` units. A slice has a multiple of ``together`` units, which cost less than one
-    by one; whoever does them handles signals in between.
+    The first slice has at most ``most`` units. A slice has a multiple of ``together`` units, which cost less together
+    than one by one. The caller handles signals between slices.
     """
 
     __slots__ = ("_most", "_plan", "_since", "_together", "left")
@@ -43,7 +43,7 @@ class Pace:
         return self._together * max(1, int(self._most) // self._together)
 
     def turn(self, steps: int, rate: float) -> None:
-        """Begin the next slice after ``steps`` in all, and report progress.
+        """Begin the next slice after ``steps`` steps in total, and report progress.
 
         ``rate`` is the largest |dx/dt| of the last check, NaN without one.
         """
@@ -63,7 +63,7 @@ class Pace:
 
     @staticmethod
     def over() -> None:
-        """Report that the transient has ended."""
+        """Report to the progress watcher that the transient has ended."""
         watched_by = watcher()
         if watched_by is not None:
             watched_by.over()

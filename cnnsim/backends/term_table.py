@@ -81,7 +81,10 @@ def kind_of(table: Table | None) -> int:
 
 
 def places_of(table: Table, dtype: np.dtype[Any]) -> list[float]:
-    """Return a table's places in a dtype; of a table closed on the left the next smaller numbers."""
+    """Return a table's places in a dtype; if the table is closed on the left, the next smaller numbers.
+
+    v >= place is then the same as v > the number returned, as for a table closed on the right.
+    """
     at = np.array(table.at, dtype)
     return np.nextafter(at, dtype.type(-np.inf)).tolist() if table.closed == "left" else at.tolist()
 

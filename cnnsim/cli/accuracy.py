@@ -122,8 +122,8 @@ def _draw(rows: list["PrecisionRow"], output: Path, title: str, size: str) -> No
     draw(rows, left, "evaluations", title)
     draw(rows, right, "seconds", size)
     right.legend(fontsize=7)
-    with writing(output) as beside:
-        figure.savefig(beside, dpi=120)
+    with writing(output) as temporary:
+        figure.savefig(temporary, dpi=120)
 
 
 def _middle(picture: Any, side: int = 24) -> Any:

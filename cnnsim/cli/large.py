@@ -28,17 +28,19 @@ engine_option = click.option(
 )  # fmt: skip
 store_option = click.option(
     "--store", type=click.Path(path_type=Path), metavar="DIR",
-    help="Folder of the blocks; a run that was stopped goes on from it.",
+    help="Folder of the blocks; a stopped run resumes from it.",
 )  # fmt: skip
-workers_option = click.option("--workers", type=click.IntRange(1), help="Worker processes; without it one a core.")
-block_option = click.option("--block", type=click.IntRange(8), help="Rows and columns of a block.")
+workers_option = click.option(
+    "--workers", type=click.IntRange(1), help="Number of worker processes; default: one a core."
+)
+block_option = click.option("--block", type=click.IntRange(8), help="Number of rows and columns of a block.")
 
 
 def check_engine_options(engine: str | None, store: Path | None, workers: int | None, block: int | None) -> None:
-    """Check that options of an engine are not given without an engine.
+    """Check that options of an engine are given only with an engine.
 
     Raises:
-        InputError: so they are.
+        InputError: an option is given without an engine.
     """
     if engine is not None or store is not None:
         return

@@ -30,7 +30,7 @@ NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 def new(kind: str, name: str, output: Path, replace: bool) -> None:
     """Write a commented file of a new template or program.
 
-    The file NAME.toml runs as it is.
+    The file NAME.toml runs without changes.
     """
     if not NAME.fullmatch(name):
         raise InputError(f"name {name!r}; small letters, digits and hyphens wanted, such as my-edge")

@@ -75,7 +75,7 @@ def read_beside(path: Path | None, what: str, pictures: Array, reading: PictureO
         return planes[0]
     count = len(pictures) if pictures.ndim == 3 else 1
     if len(planes) != count:
-        raise InputError(f"{what}: {len(planes)} pictures for {count}; one, or as many, wanted")
+        raise InputError(f"{what}: {len(planes)} pictures for {count}; one or {count} wanted")
     return planes
 
 
@@ -83,7 +83,7 @@ def check_output(path: Path | None, *, film: bool) -> None:
     """Check before the run that `write_planes` can write a path; None is skipped.
 
     Raises:
-        InputError: no folder, or an ending of no picture (and no ``film``).
+        InputError: the folder is missing, or no picture (or with ``film`` no film) has this ending.
     """
     if path is None:
         return
@@ -101,7 +101,7 @@ def check_film(path: Path | None) -> None:
     """Check before the run that a film can be written; None is skipped.
 
     Raises:
-        InputError: no folder, an ending of no film, a video without PyAV.
+        InputError: the folder is missing, no film has this ending, or a video needs PyAV.
     """
     if path is None:
         return
@@ -116,7 +116,7 @@ def check_plot(path: Path | None) -> None:
     """Check before the run that a plot can be written; None is skipped.
 
     Raises:
-        InputError: no folder, or an ending that matplotlib does not write.
+        InputError: the folder is missing, or matplotlib does not write this ending.
     """
     if path is None:
         return
@@ -166,8 +166,8 @@ def _numbered_beyond(last: Path) -> list[Path]:
     stem, _, number = last.stem.rpartition("-")
     if not number.isdecimal():
         return []
-    beside = {path: path.stem[len(stem) + 1 :] for path in last.parent.glob(f"{escape(stem)}-*{last.suffix}")}
-    later = {path: int(text) for path, text in beside.items() if text.isdecimal() and int(text) > int(number)}
+    numbers = {path: path.stem[len(stem) + 1 :] for path in last.parent.glob(f"{escape(stem)}-*{last.suffix}")}
+    later = {path: int(text) for path, text in numbers.items() if text.isdecimal() and int(text) > int(number)}
     return sorted(later, key=lambda path: later[path])
 
 
@@ -175,7 +175,7 @@ def as_map(values: Array, what: str, pictures: Array) -> Any:
     """Return a map (mask, bias) for pictures.
 
     Raises:
-        InputError: another shape than that of the pictures.
+        InputError: its shape differs from that of the pictures.
     """
     if values.shape[-2:] != pictures.shape[-2:]:
         raise InputError(f"{what} has shape {values.shape}, the picture {pictures.shape}; one shape wanted")

@@ -49,7 +49,7 @@ def show(name: str, as_json: bool) -> None:
     if entry.examples:
         echo("\nExample\n" + _drawn(entry.examples[0]))
     else:
-        echo("\nNo worked example: nobody has checked this file.")
+        echo("\nNo worked example: the file is not tested.")
 
 
 def _show_program(program: Program, as_json: bool) -> None:

@@ -113,12 +113,12 @@ def _write(imported: Imported, folder: Path, report: Diagnostics, replace: bool)
         report.warning(None, f"{imported.name}: {text}")
     try:
         make_folder(folder)
-        with writing(target, follow=False) as beside:
-            beside.write_text(imported.text(), encoding="utf-8")
+        with writing(target, follow=False) as temporary:
+            temporary.write_text(imported.text(), encoding="utf-8")
             try:
-                load_file(beside)
+                load_file(temporary)
             except InputError as error:  # what was written cannot be used, so it is not kept
-                raise InputError(str(error).replace(str(beside), str(target))) from error
+                raise InputError(str(error).replace(str(temporary), str(target))) from error
     except InputError as error:
         report.error(None, str(error))
         return None

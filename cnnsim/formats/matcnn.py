@@ -39,7 +39,7 @@ class MatcnnEntry:
 
 
 def read_matcnn(data: bytes, report: Diagnostics) -> dict[str, MatcnnEntry]:
-    """Return the entries of a file by name; what is no such assignment is a warning, a wrong one an error."""
+    """Return the entries of a file by name; other lines are warnings, wrong assignments errors."""
     values: dict[str, Floats] = {}
     entries: dict[str, MatcnnEntry] = {}
     text = "\n".join(row for _, row in split(decode(data, report), report))
@@ -117,7 +117,7 @@ def from_matcnn(weights: ArrayLike, table: Table, code: int) -> Term:
 
 
 def matcnn_templates(entries: dict[str, MatcnnEntry], report: Diagnostics) -> list[Imported]:
-    """Return a template for each entry; one that is wrong is an error and left out."""
+    """Return a template for each entry; a wrong entry is reported as an error and omitted."""
     templates = []
     for entry in (entry for entry in entries.values() if not entry.broken):
         name = library_name(entry.name)

@@ -14,7 +14,7 @@ MOST_NEIGHBOURS = 12
 """Templates that read more cells than this are not tried: the truth table has 2^n rows."""
 
 CLEAR = 1e-6
-"""A drive this close to where the answer changes is left to the real numbers: rounding decides there."""
+"""A drive closer to a change of the output gives no rule: rounding decides there, so the transient is computed."""
 
 
 class BitLiteral(NamedTuple):
@@ -34,14 +34,14 @@ class BitRule:
 
     @property
     def radius(self) -> int:
-        """How far its farthest literal reaches."""
+        """Chessboard distance of the farthest literal from the cell."""
         return reach((k, l) for k, l, _ in self.literals)
 
 
 def bit_rule(template: Template, boundary: Boundary, state: float | None) -> BitRule | None:
     """Return the rule by which a settled uncoupled template turns a black-and-white input into x > 0, or None.
 
-    ``state`` is the number that x(0) is, None if x(0) is the input picture. Erosion, dilation, hit-and-miss, shifts and
+    ``state`` is x(0), a number, or None if x(0) is the input picture. Erosion, dilation, hit-and-miss, shifts and
     NOT are such rules; majority is not. Fixed virtual cells must be black or white as well.
 
         s = z + sum of b (+-1),    out = x_rest(x0, s, a) > 0

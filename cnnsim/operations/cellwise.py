@@ -18,9 +18,9 @@ class Cellwise:
     ``array(*inputs, *parameters)`` defines the result: NumPy on arrays of any shape, giving one array an output.
     ``compiled()`` gives a kernel ``kernel(*inputs, *outputs, *parameters)`` for the CPU backend; the planes
     are contiguous 1-D arrays of one dtype, the outputs are written in place. Without it the CPU backend uses
-    ``array``, which is right for anything that is already one NumPy ufunc. ``opencl`` is the operation's text for
-    one cell in OpenCL C, between the values of the inputs and the outputs it sets, all of type ``real`` (float or
-    double) and called by their names, as are the parameters: ``"sum = p + q;"``.
+    ``array``, which is as fast if the operation is a single NumPy ufunc. ``opencl`` is OpenCL C for one cell, such as
+    ``"sum = p + q;"``: it reads inputs and parameters by name and sets the outputs; all have the type ``real`` (float
+    or double).
     """
 
     name: str

@@ -41,7 +41,7 @@ class Op(IntEnum):
 
 
 class Instruction(NamedTuple):
-    """One operation (see `Op`)."""
+    """One operation with its operands (see `Op`)."""
 
     op: Op
     to: int

@@ -118,9 +118,9 @@ def fastest_turning(modes: Modes, duration: Duration, step: float, *, grey: bool
 
 @lru_cache(maxsize=128)
 def turning_of(template: Template, boundary: Boundary, duration: Duration, step: float, *, grey: bool = False) -> float:
-    """Return the |omega| of the fastest mode of a linear template that Euler steps do not follow.
+    """Return the |omega| of the fastest mode of a linear template that Euler steps do not resolve.
 
-    From a ``grey`` state waves that grow as they travel count as well: on a grid with edges they are no modes, but
+    With a ``grey`` state, travelling waves that grow count as well. On a grid with edges they are not modes, but they
     exist until they reach an edge.
     """
     modes = modes_of(template, boundary)
@@ -131,26 +131,26 @@ def turning_of(template: Template, boundary: Boundary, duration: Duration, step:
 
 
 def late_growth(template: Template, step: float) -> tuple[float, float]:
-    """Return the rate g of the fastest growing pattern [1 / time constant], and the part of it that Euler steps lose.
+    """Return the rate g of the fastest growing pattern [1 / time constant], and its relative error with Euler steps.
 
-    A step gives 1 + h g instead of exp(h g), a rate of log(1 + h g) / h. That favours the slower of two competing
-    patterns, and from a grey state it may decide which of them wins.
+    An Euler step multiplies by 1 + h g instead of exp(h g), which is the rate log(1 + h g) / h. The error favours the
+    slower of two competing patterns, and from a grey state it may change which pattern remains.
     """
     rate = max(0.0, float(_waves(template.feedback_taps, symmetric=template.symmetric).real.max()))
     return rate, 1 - float(np.log1p(step * rate)) / (step * rate) if rate else 0.0
 
 
 def turning_from(turning: Callable[..., float], grey: Callable[[], bool]) -> float:
-    """Return the |omega| of ``turning`` (see `fastest_turning`) for the state of a run.
+    """Return the |omega| that ``turning`` (see `fastest_turning`) gives for the state of a run.
 
-    ``grey``, which reads the state, is called only if it makes a difference.
+    ``grey`` reads the state, so it is called only if the result depends on it.
     """
     either, most = turning(grey=False), turning(grey=True)
     return most if most > either and grey() else either
 
 
 def usual_scheme(limit: Callable[[Scheme], float], step: float, turning: float) -> Scheme:
-    """Return Euler, or RK4 for oscillating modes and where its longer steps pay, at four times the cost of Euler's.
+    """Return RK4 if a mode oscillates or its stable step is over four times Euler's (the ratio of costs), else Euler.
 
     Arguments: ``limit`` returns the longest stable step of a scheme; ``step`` is the step that accuracy allows [time
     constants]; ``turning`` as in `fastest_turning`.

@@ -68,5 +68,5 @@ def template(weights: DrawnTemplate, axes: "Axes | None" = None) -> "Axes":
 
 
 def _fitting(columns: int) -> tuple[int, float]:
-    """Return digits and font size of the numbers for a number of columns; (0, 0) if there is room for colours only."""
+    """Return digits and font size of the numbers in ``columns`` columns; (0, 0) if they do not fit."""
     return (4, 11) if columns <= 6 else (3, 6.5) if columns <= 10 else (2, 5.5) if columns <= 14 else (0, 0.0)

@@ -172,7 +172,7 @@ class _Writer:
         return self.place[name]
 
     def _values(self, name: str | float) -> int:
-        """Return a LAM plane with what a name or a number stands for."""
+        """Return the number of the LAM plane with the values of a named plane, or with a constant."""
         if not isinstance(name, str):
             return self._put("lam", Op.CONSTANT, by=name)
         at = self._find(name)

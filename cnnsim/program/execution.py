@@ -146,7 +146,7 @@ class Execution:
 
     def _until_unchanged(self, step: UntilUnchangedStep) -> None:
         if len(self._shape) == 3:
-            raise InputError(f"{step.where}: grids of a batch may take different times; run them one by one")
+            raise InputError(f"{step.where}: grids of a batch may need different numbers of rounds; one grid wanted")
         for _ in range(step.limit):
             before = self.planes[step.plane]
             self.run(step.do)

@@ -93,7 +93,7 @@ def explain(
     """Return the plan of a template, or of each template step of a program, on a grid, with its reasons.
 
     Arguments: ``template`` a name or an entry of the library, a program or its name ("programs/NAME" where a template
-    has it too), a file, or a template of your own, whose time no theory tells here; ``picture`` CNN values (rows,
+    has it too), a file, or a template of your own (without a bound on its time); ``picture`` CNN values (rows,
     cols), or only the shape (rows, cols), of which no plane is made; ``backend``, "cpu" or "opencl", whose memory is
     counted for a template; ``changes`` as in `run_transient`, for templates.
 

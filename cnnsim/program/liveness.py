@@ -20,7 +20,7 @@ from cnnsim.program.program import (
 
 
 def reads_and_writes(step: Step) -> tuple[set[str], set[str]]:
-    """Return the names that a step reads and those that it writes, without the steps inside it."""
+    """Return the names that a step reads and the names that it writes, without the steps inside it."""
     read: tuple[str | float | None, ...]
     written: tuple[str, ...]
     match step:

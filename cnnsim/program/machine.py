@@ -145,9 +145,9 @@ def run_program(
     Arguments: ``program`` a name of the library, a file or a loaded `Program`; ``planes`` its inputs (rows, cols) by
     name; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
     ``threads`` of the cpu backend, None for as many as pay; ``engine`` for grids that are larger than the memory, or
-    for other machines: "processes", "dask", "dask=ADDRESS" or an `Engine`, with the folder of its ``store``; a run
-    that was stopped goes on from there. Planes may be Zarr arrays then, and with a store so are the results.
-    Planes that a program keeps start anew in each call; a `UniversalMachine` carries them from run to run.
+    for other machines: "processes", "dask", "dask=ADDRESS" or an `Engine`, with the folder of its ``store``, from which
+    a stopped run resumes. Planes may be Zarr arrays then; with a store the results are Zarr arrays too.
+    Planes under ``keep`` have their initial value in each call; a `UniversalMachine` keeps them between runs.
 
     Raises:
         InputError: as `load_program`, `check_values` and `UniversalMachine.run`.

@@ -19,8 +19,8 @@ LocalTemplate = tuple[Template, Boundary, Duration]
 class Names:
     """Names declared under ``lam``, ``llm`` and ``wire``, those written so far, numbers and templates.
 
-    The numbers are those that parameters stand for, the templates the program's own. What is wrong with the file is
-    collected in ``faults``, at first that something else than names is declared, or one in two memories.
+    The numbers are the values of the parameters; the templates are the program's own. Faults of the file are collected
+    in ``faults``. The constructor adds declarations that are not names, and names declared in two memories.
     """
 
     def __init__(
@@ -51,14 +51,14 @@ class Names:
         return name
 
     def read(self, name: Any, where: str, *kinds: ProgramMemory) -> str:
-        """Return a name that is read here, or raise InputError if nothing has been written to it."""
+        """Return a name that a step reads, or raise InputError if no step before has written it."""
         name = self.known(name, where, *kinds)
         if name not in self.written:
             raise InputError(f"{where}: {name!r} is read before anything has been written to it")
         return name
 
     def write(self, name: Any, where: str, *kinds: ProgramMemory) -> str:
-        """Return a name that is written here."""
+        """Return a name that a step writes, and record it as written."""
         name = self.known(name, where, *kinds)
         self.written.add(name)
         return name

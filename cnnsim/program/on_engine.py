@@ -19,7 +19,7 @@ from cnnsim.support.values import is_stored
 
 
 class OnEngine:
-    """What a machine on an engine needs besides the verbs of its backend."""
+    """The part of a machine that is specific to an engine: checks of the steps, the record, and unused planes."""
 
     def __init__(self, where: Backend, engine: str | Engine, store: str | Path | None, ways: TemplateCache) -> None:
         self.backend, self._ways = StoredBackend(where, parse_engine(engine, store)), ways
@@ -51,7 +51,9 @@ class OnEngine:
                 continue
             with naming(step.where):
                 if step.accuracy is not None:
-                    raise InputError("an accuracy on an engine: several runs are made; a step, or no engine, wanted")
+                    raise InputError(
+                        "accuracy with an engine: an accuracy needs several runs; a step, or no engine, wanted"
+                    )
                 plan = self._ways.plan(step, shape)
                 check_plan(plan)
                 settling |= plan.duration == "settled" and plan.method != "closed form"

@@ -37,8 +37,8 @@ ProgramMemory = Literal["lam", "llm", "wire"]
 class TemplateStep:
     """Run ``template`` from ``state`` (a plane, or a constant) with ``input`` and put y into ``to``.
 
-    ``name`` is that of the library's template, whose guaranteed running time is waited for; a program's own has none.
-    With ``accuracy`` it is run to that, and ``step`` does not count.
+    ``name`` is the library template's name; its guaranteed running time is used. A program's own template has no name.
+    With an ``accuracy``, ``step`` is ignored.
     """
 
     where: str

@@ -70,7 +70,7 @@ def _step(table: dict[str, Any], number: str, names: Names) -> Step | None:
 
 
 def _check_kind(kind: str, value: str, names: Names) -> None:
-    """Refuse a function or template that is not known, by itself: a reader may find another fault before it."""
+    """Refuse an unknown function or template; a separate check, because a reader may stop at another fault first."""
     if kind == "template":
         find_template(value, names)
     elif kind in ("cellwise", "logic", "wire"):

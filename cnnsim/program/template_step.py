@@ -16,16 +16,16 @@ def read_template_step(table: dict[str, Any], where: str, _number: str, names: N
     """Return the step of a table with the key ``template``.
 
     Raises:
-        InputError: no such template, or no plane where it needs one.
+        InputError: the template is unknown, or a plane that it needs is missing.
     """
     with naming(where):
         template, boundary, duration, u, x0, cell, step, accuracy = find_template(table["template"], names)
     u = table.get("input", u)
     if template.reads_input and u is None:
-        raise InputError(f"{where}: the template has a B, so 'input' must name a plane")
+        raise InputError(f"{where}: no 'input', but the template has a B; the name of a plane or a number wanted")
     x0 = table.get("state", u if x0 == "picture" else None if x0 == "given" else x0)
     if x0 is None:
-        raise InputError(f"{where}: 'state' must name the plane, or be the number, that x(0) is")
+        raise InputError(f"{where}: no 'state'; the name of a plane or a number for x(0) wanted")
     with naming(where):
         boundary = parse_boundary(table.get("boundary", boundary))
     return TemplateStep(

@@ -129,7 +129,7 @@ class _BlockSteps:
         return check_area(self._where, self._plan, (x, self._u, self._bias, self._mask), self._inside)
 
     def _compared(self, before: Any, x: Any) -> Check:
-        """Check a state of discrete time: the largest change to come, and whether that leads back to ``before``."""
+        """Check a discrete-time state: the largest change in the next step, and whether that leads to ``before``."""
         (r0, r1), (c0, c1) = self._inside
         old, now, after = (
             None if plane is None else self._where.read(plane)[..., r0:r1, c0:c1]

@@ -56,7 +56,7 @@ class Engine:
             InputError: the engine has another side.
         """
         if self.side not in (None, side):
-            raise InputError(f"{folder} has blocks of {side} cells, not of {self.side}; {side}, or no side, wanted")
+            raise InputError(f"{folder} has blocks of side {side}, not {self.side}; side {side}, or no side, wanted")
         return side
 
 

@@ -65,9 +65,9 @@ def write_large(plane: Any, path: Path, *, follow: bool = True) -> None:
     if len(plane.shape) != 2:
         raise InputError(f"a result of shape {plane.shape} as a picture; (rows, cols) wanted")
     rows, cols = plane.shape
-    with writing(path, follow=follow) as beside:
+    with writing(path, follow=follow) as temporary:
         if path.suffix.lower() == ".npy":
-            out: Any = np.lib.format.open_memmap(beside, "w+", np.float32, (rows, cols))
+            out: Any = np.lib.format.open_memmap(temporary, "w+", np.float32, (rows, cols))
         else:
             check_memory(f"{path}: {rows} x {cols} pixels", 2 * rows * cols, "a .npy file wanted")
             out = np.empty((rows, cols), np.uint8)
@@ -75,7 +75,7 @@ def write_large(plane: Any, path: Path, *, follow: bool = True) -> None:
             y = _outputs(np.asarray(plane[row : row + ROWS]))
             out[row : row + len(y)] = y if out.dtype == np.float32 else np.asarray(to_image(y))
         if out.dtype == np.uint8:
-            Image.fromarray(out).save(beside)
+            Image.fromarray(out).save(temporary)
 
 
 def _outputs(x: Array) -> Array:

@@ -24,7 +24,7 @@ STATES = ("x0", "x1")
 
 @dataclass
 class Record:
-    """What a store keeps: the ``side`` of its blocks, supersteps and steps that are done, and the end of the run."""
+    """The progress in a store: the ``side`` of its blocks, the supersteps and steps done, and the end of the run."""
 
     side: int
     superstep: int = 0
@@ -36,9 +36,10 @@ class Record:
 
 
 class Supersteps:
-    """A transient of a large grid, as far as its ``record`` says; ``planes``: the Zarr arrays it starts from, by name.
+    """A transient of a large grid that continues from its ``record``.
 
-    The states are arrays of the ``store``; ``skip``: whether unchanged blocks are skipped.
+    ``planes`` are the Zarr arrays of the initial state, input, bias and mask, by name. The states are arrays of the
+    ``store``. ``skip``: whether unchanged blocks are skipped.
     """
 
     def __init__(
@@ -61,7 +62,7 @@ class Supersteps:
         return self._store.folder / name if self.record.superstep else self._planes[STATE]
 
     def run(self) -> None:
-        """Run supersteps until the network has settled or the time is over."""
+        """Run supersteps until the network has settled or the duration is reached."""
         record, plan = self.record, self.plan
         if not record.superstep:
             shape = zarr_library().open_array(self.state, mode="r").shape
@@ -80,14 +81,14 @@ class Supersteps:
             self._commit(after, None if last is None else found[last], found[-1] if found else None)
 
     def _checks(self, after: int) -> tuple[int, ...]:
-        """Return the steps of a superstep at which it is checked whether the network has settled."""
+        """Return the steps of a superstep after which the blocks check whether the network has settled."""
         if not self._settling:
             return ()
         first, plan = self.record.step + (self.record.superstep > 0), self.plan
         return tuple(step for step in range(first, after + 1) if step % plan.check_every == 0 or step == plan.steps)
 
     def _tasks(self, steps: int, checks: tuple[int, ...], *, skip: bool) -> list[BlockReport]:
-        """Step all blocks, or the blocks that may change, and return all reports."""
+        """Step all blocks, or with ``skip`` only blocks that may change; return the reports of all blocks."""
         halo = halo_of(self.plan, steps)
         waiting = [
             self._task(block, steps, checks, halo)

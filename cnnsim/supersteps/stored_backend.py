@@ -36,7 +36,7 @@ KIND = "cnnsim program"
 
 
 class StoredPlane:
-    """A plane of a program as a Zarr array; ``dropped`` takes its folder when nobody refers to the plane any more."""
+    """A plane of a program as a Zarr array; ``dropped`` is called with its folder when the plane is garbage."""
 
     def __init__(
         self, path: Path, shape: tuple[int, ...], memory: Memory, dropped: Callable[[Path], None], folder: Path
@@ -46,7 +46,10 @@ class StoredPlane:
 
 
 class StoredBackend(Backend):
-    """The backend ``where`` on planes in the store of an ``engine``; ``step`` of the program, for messages."""
+    """The backend ``where``, run block by block on planes in the store of an ``engine``.
+
+    ``step`` names the present step of the program in messages.
+    """
 
     def __init__(self, where: Backend, engine: Engine) -> None:
         self.name, self.dtype, self.step = where.name, where.dtype, ""
@@ -78,7 +81,9 @@ class StoredBackend(Backend):
                 self._engine.side_of_store(self._folder, self._record["side"])
             self._runs += 1
             if self._do(lambda _: run)[1] != run:
-                raise InputError(f"run {self._runs} in {self._folder} was of other planes; a folder for each wanted")
+                raise InputError(
+                    f"run {self._runs} in {self._folder} had other planes; the same planes, or another folder, wanted"
+                )
             try:
                 yield
             except (InputError, OSError) as error:

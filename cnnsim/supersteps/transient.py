@@ -45,7 +45,9 @@ def run_on_engine(
     """
     task, planes = _task(template, choices)
     if task.accuracy is not None:
-        raise InputError("an accuracy on an engine: several runs are made; give scheme and step, or no engine")
+        raise InputError(
+            "accuracy with an engine: an accuracy needs several runs; scheme and step, or no engine, wanted"
+        )
     if any(isinstance(plane, Frames) for plane in planes.values()):
         raise InputError("planes that change with time on an engine; single planes, or no engine, wanted")
     if not template.reads_input:
@@ -77,7 +79,7 @@ def run_on_engine(
 def _task(template: AnyTemplate, choices: dict[str, Any]) -> tuple[Task, dict[str, Any]]:
     """Return the task and its planes; for Zarr arrays the task is made with planes of ones of their shapes."""
     stored = {name: choices[name] for name in PLANES if is_stored(choices.get(name))}
-    for name in stored.keys() - {"mask"}:  # a mask holds cells above 0, whatever its type
+    for name in stored.keys() - {"mask"}:  # a mask of any dtype holds the cells above 0
         stored_plane(name, stored[name])
     ones = {name: np.broadcast_to(np.ones(1), plane.shape) for name, plane in stored.items()}
     task = make_task(template, **{**choices, **ones})

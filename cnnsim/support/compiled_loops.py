@@ -37,8 +37,8 @@ _OUTSIDE = "cnnsim.support"
 def folder() -> Path:
     """Return the cache folder: NUMBA_CACHE_DIR, or one next to the code, or the user's, or a temporary one."""
     own = (Path(config.CACHE_DIR),) if config.CACHE_DIR else ()
-    beside = Path(__file__).with_name("__pycache__")
-    return first_usable((*own, beside, user_cache() / "cellular-wave-touch" / "loops"), "loops")
+    local = Path(__file__).with_name("__pycache__")
+    return first_usable((*own, local, user_cache() / "cellular-wave-touch" / "loops"), "loops")
 
 
 @cache
@@ -65,7 +65,7 @@ def _read(file: Path) -> tuple[str, frozenset[Path]]:
 
 
 class _Locator:
-    """Tells numba where the cache of one loop is, and what the loop was compiled from."""
+    """Gives numba the folder of a loop's cache, and a checksum of the source that the loop was compiled from."""
 
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self._file = Path(getfile(function))
@@ -96,7 +96,7 @@ class _Loops(CompileResultCacheImpl):  # type: ignore[misc]  # numba says nothin
 
 
 class _Cache(FunctionCache):  # type: ignore[misc]  # the same
-    """Numba's cache of one function; a damaged file is compiled again, a full disk keeps nothing."""
+    """Numba's cache of one function; with a damaged file the function is compiled again; a full disk is ignored."""
 
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self._impl_class = lambda function: _Loops(function, options)
@@ -105,7 +105,7 @@ class _Cache(FunctionCache):  # type: ignore[misc]  # the same
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
             return super().load_overload(sig, target_context)
-        except Exception:  # whatever a damaged pickle raises
+        except Exception:  # a damaged pickle can raise any exception
             with suppress(OSError):
                 self.flush()
             return None

@@ -30,9 +30,9 @@ class ErrorList:
 
     @contextmanager
     def collecting(self, table: Any = None, key: str | None = None, where: str = "") -> Iterator[None]:
-        """Add an InputError of the block to the list and go on after the block.
+        """Add an InputError raised in the block to the list, and continue after the block.
 
-        The message is led by ``where`` and ends with the line of the table, or of its ``key``, where they are given.
+        The message begins with ``where`` and ends with the line number of ``table`` or of its ``key``, if given.
         """
         try:
             with located(table, key), naming(where) if where else nullcontext():

@@ -17,7 +17,7 @@ def lock(file: int, shared: bool = False) -> bool:
     """
     try:
         import fcntl
-    except ImportError:  # Windows lets nobody replace a file that is open
+    except ImportError:  # Windows does not let another program replace an open file
         return True
     try:
         fcntl.flock(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)

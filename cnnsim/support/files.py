@@ -61,17 +61,17 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
         there = target.exists()
         place = target.resolve() if follow else target.absolute()
         with TemporaryDirectory(prefix=f".{target.stem[:40]}-", dir=place.parent) as folder:
-            beside = Path(folder) / target.name
+            temporary = Path(folder) / target.name
             try:
-                yield beside
+                yield temporary
             except InputError as error:
-                said = str(error).replace(str(beside), str(path))  # users know only the name that they gave
+                said = str(error).replace(str(temporary), str(path))  # users know only the name that they gave
                 if said != str(error):
                     raise InputError(said) from error
                 raise
             if there:
-                beside.chmod(place.stat().st_mode & 0o777)
-            beside.replace(place)
+                temporary.chmod(place.stat().st_mode & 0o777)
+            temporary.replace(place)
     except InputError:
         raise
     except (OSError, ValueError) as error:  # a ValueError: an ending that the writer does not know
@@ -129,8 +129,8 @@ def write_text(path: str | Path, text: str, *, replace: bool = True, follow: boo
         InputError: as `writing`.
     """
     make_folder(Path(path).parent)
-    with writing(path, replace=replace, follow=follow) as beside:
-        beside.write_text(text, encoding="utf-8")
+    with writing(path, replace=replace, follow=follow) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def write_rows(path: str | Path, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -139,7 +139,7 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, Any]]) -> None:
     Raises:
         InputError: as `writing`.
     """
-    with writing(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
+    with writing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, list(rows[0]))
         table.writeheader()
         table.writerows(rows)

@@ -70,7 +70,7 @@ def echo(text: object = "", *, err: bool = False, over: bool = False) -> None:
 
 
 def tell_process(text: object) -> None:
-    """Print a dim line on the original stderr of the process, which may be closed."""
+    """Print a dim line on the original stderr of the process; do nothing if that is closed."""
     with suppress(OSError):
         click.echo(click.style(printable(text), dim=True), file=sys.__stderr__ or sys.stderr)
 
@@ -91,9 +91,9 @@ def console(width: int = 150, *, err: bool = False) -> "Console":
 
 
 def hanging(head: str, text: str, indent: int) -> str:
-    """Return a text to the right of ``head``, wrapped to the terminal, with its further lines indented.
+    """Return ``head`` and a text to its right, wrapped to the terminal's width with a hanging indent.
 
-    A head longer than ``indent``, or an indent of more than half of the terminal, puts the head on a line of its own.
+    The head has a line of its own if it is longer than ``indent`` or if ``indent`` is more than half of the width.
     Paths and long words are not broken.
     """
     narrow = bool(head) and indent > _width() // 2

@@ -17,10 +17,10 @@ Row = dict[str, Any]
 class Kind:
     """One kind of sweep, the constant ``KIND`` of its module.
 
-    ``keys`` of a case with a description each, and those that are ``needed``. ``run`` takes cases and returns a row for
-    each, in order; if it raises, the cases are run one by one. ``group``: cases with the same value are run in one call
-    (None: each by itself). ``check`` checks each case before any is run. ``paths``: keys whose values are files,
-    relative to the folder of the sweep's file.
+    ``keys`` has the keys of a case with their descriptions, ``needed`` the required ones. ``run`` takes cases and
+    returns a row for each, in order; if it raises, the cases are run one by one. ``group``: cases with the same value
+    are run in one call (None: each by itself). ``check`` checks each case before any is run. ``paths``: keys whose
+    values are files, relative to the folder of the sweep's file.
     """
 
     keys: Mapping[str, str]

@@ -60,5 +60,5 @@ def draw_columns(rows: Sequence[Row], x: str, y: str, colour: str | None, path: 
     axes.grid(alpha=0.3)
     if colour is not None:
         axes.legend(title=colour, fontsize=8)
-    with writing(path) as beside:
-        figure.savefig(beside, dpi=120)
+    with writing(path) as temporary:
+        figure.savefig(temporary, dpi=120)

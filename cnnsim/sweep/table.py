@@ -52,12 +52,12 @@ class SweepTable:
         return [{name: self.rows[number].get(name) for name in names} for number in sorted(self.rows)]
 
     def write(self) -> None:
-        """Write the file, which replaces the one before as a whole."""
+        """Write the table to a new file and replace the file with it."""
         begun, rows = perf_counter(), self.sorted_rows()
         columns = {name: self._arrow.array(_column([row[name] for row in rows])) for name in (rows[0] if rows else {})}
         table = self._arrow.table(columns).replace_schema_metadata({MARK: self._digest.encode()})
-        with telling_nobody(), writing(self.file) as beside:
-            self._parquet.write_table(table, beside)
+        with telling_nobody(), writing(self.file) as temporary:
+            self._parquet.write_table(table, temporary)
         self._written = perf_counter()
         self._took = self._written - begun
 

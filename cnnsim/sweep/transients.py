@@ -34,12 +34,12 @@ _OF_A_PLANE = ("density", "noise", "seed")
 
 
 def group(case: Case) -> Hashable:
-    """Return the values that the cases of a batch share: all but the picture."""
+    """Return the values that the cases of a batch share: all except those that make the picture."""
     return repr(sorted((key, value) for key, value in case.items() if key not in _OF_A_PLANE))
 
 
 def check(case: Case) -> None:
-    """Check names and sizes of a case, before any is run."""
+    """Check the template, the sizes and the numbers of a case, before any case is run."""
     if load(case["template"]).frame_time is not None:
         raise InputError(f"template {case['template']!r} takes moving pictures; one for single pictures wanted")
     for key in ("rows", "cols"):

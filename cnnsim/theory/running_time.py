@@ -48,7 +48,7 @@ def guaranteed_time(
     template: Template, shape: tuple[int, int], boundary: Boundary, *, input: str | float = "picture",  # noqa: A002 - the field's word for u
     initial_state: str | float = "any", step: float = 0.1, has_mask: bool = False,
 ) -> RunningTime:  # fmt: skip
-    """Return the time after which every output is final, whatever black-and-white pictures (rows, cols) are given.
+    """Return the time after which every output is final, for all black-and-white pictures (rows, cols).
 
     Arguments: ``input`` and ``initial_state`` are the roles of u and x(0), as in a template file; ``step`` is the
     longest Euler step for which the time holds; ``has_mask``: some cells may be masked.
@@ -71,9 +71,9 @@ def guaranteed_time(
 
 
 def _of_template(template: Template, boundary: Boundary) -> RunningTime | None:
-    """Return the time that template and boundary alone give; None if it depends on the pictures."""
+    """Return the time, or the reason for none, that follows from template and boundary; None if pictures matter."""
     if boundary.kind not in PROVED:
-        return RunningTime(None, f"no theory here of a {boundary} boundary")
+        return RunningTime(None, f"no bound is known for a {boundary} boundary")
     return _contraction(template) if template.linear else RunningTime(None, _TERMS)
 
 
@@ -156,7 +156,7 @@ def _uncoupled(template: Template, boundary: Boundary, pairs: list[Pair], arbitr
 
 
 def _fewer_and_fewer(pairs: list[Pair]) -> list[tuple[list[Pair], str]]:
-    """Return all pairs (x(0), u); then, for two independent pictures, all but one pair, with the assumption made."""
+    """Return sets of pairs (x(0), u) with the assumption of each: all pairs, then for two pictures all but one."""
     tries = [(pairs, "")]
     colour = {1.0: "black", -1.0: "white"}
     if len(pairs) == 4:

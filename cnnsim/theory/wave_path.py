@@ -12,14 +12,14 @@ _RING = {(k, l) for k in (-1, 0, 1) for l in (-1, 0, 1)} - {(0, 0)}
 def longest_path(
     template: Template, shape: tuple[int, int], boundary: Boundary, waiting: Floats, has_mask: bool
 ) -> tuple[int, str]:
-    """Return the largest number of cells that a wave can visit one after the other, and the reason.
+    """Return the largest number of cells that a wave can trigger one after the other, and the reason.
 
-    ``waiting`` (n, 2) has, for every input that white cells can meet, s - (a - 1) among white neighbours and how much
-    that would rise if all real neighbours were black. A cell is set off by nothing (s - (a - 1) > 0), by any one
-    neighbour, by several together, or never (a wall). Where one neighbour is always enough, a wave's path touches
-    itself nowhere, or it would have taken the short cut. So without walls it is no longer than the distance on the
-    grid; with walls a 2 x 2 block holds at most 3 of its cells if neighbours are the 4 beside a cell, and at most 2 if
-    they are all 8. Otherwise each cell may have to wait for the one before.
+    ``waiting`` (n, 2) has a row for every input of a white cell: s - (a - 1) with white neighbours, and its increase if
+    all real neighbours are black. A cell is triggered by no neighbour (s - (a - 1) > 0), by any one neighbour, by
+    several together, or never (a wall). If one neighbour is always enough, no two cells of a wave's path are neighbours
+    unless they follow each other: otherwise there is a shorter path. So without walls the path is no longer than the
+    distance on the grid. With walls a 2 x 2 block holds at most 3 cells of the path if a cell has 4 neighbours, and at
+    most 2 if it has 8. If several neighbours are needed, each cell may have to wait for the cell before it.
     """
     rows, cols = shape
     reach = {(tap.k, tap.l): 2 * tap.weight for tap in template.feedback_taps if (tap.k, tap.l) != (0, 0)}
@@ -40,11 +40,12 @@ def longest_path(
 
 
 def _line(offsets: set[tuple[int, int]], shape: tuple[int, int], boundary: Boundary) -> int | None:
-    """Return the cells of the longest line if all offsets lie in one, else None.
+    """Return the number of cells of the longest line if all offsets lie on one line, else None.
 
-    On a torus a line is a ring, which a slanted offset, or one that leaves cells out, closes only after many turns.
-    Where virtual cells repeat real ones, one that leads out goes on along the edge until it is in the corner; with its
-    opposite as well a wave that leaves cells out comes back through them, so that all of the row or column count.
+    On a torus a line is a ring. With an oblique offset, or one of several cells, the ring closes only after several
+    turns. Where virtual cells repeat real ones, a wave with an oblique offset continues along the edge to the corner.
+    With two opposite offsets of several cells it returns through the cells between, so all cells of the row or column
+    count.
     """
     k, l = min(offsets)
     if any(offset not in ((k, l), (-k, -l)) for offset in offsets):

@@ -50,7 +50,7 @@ def wave_of_picture(
 ) -> Wave:
     """Return the time of the wave from a black-and-white ``state`` with B*u + z + bias = ``drive``: (rows, cols).
 
-    The wave is followed in generations: the cells that the black cells trigger, then those that these trigger.
+    The wave is followed in generations: the cells that the black cells trigger, then the cells that these trigger.
     """
     refusal = _refusal(template, step)
     if refusal is None and not np.isin(state, (-1.0, 1.0)).all():

@@ -23,7 +23,7 @@ class VirtualCells(NamedTuple):
 
 
 def virtual_cells(shape: tuple[int, ...], r: int, boundary: Boundary, constant: Any) -> Any:
-    """Return the `VirtualCells` of a grid as a bare tuple; ``constant`` in the type of the cells."""
+    """Return the `VirtualCells` of a grid as a plain tuple; ``constant`` has the dtype of the cells."""
     rows, cols = (virtual_index(cells, r, boundary) for cells in shape[-2:])
     return tuple(VirtualCells(rows, cols, r, constant))
 

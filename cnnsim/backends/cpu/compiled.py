@@ -57,12 +57,12 @@ def fused(function: Kernel) -> Kernel:
 
 
 def reordered(function: Kernel) -> Kernel:
-    """Compile a helper whose one sum may be added in any order, so that a loop adds in vectors."""
+    """Compile a helper whose sum may be added in any order, so that the loop is vectorised."""
     return _compiled(function, "_reordered", kept_helper, fastmath={"reassoc", "contract"})
 
 
 def without_nan(function: Kernel) -> Kernel:
-    """Compile a helper whose maximum is found in vectors; of NaN the result is any number."""
+    """Compile a helper with a vectorised maximum; its result is undefined if a value is NaN."""
     return _compiled(function, "_without_nan", kept_helper, fastmath={"nnan", "nsz"})
 
 

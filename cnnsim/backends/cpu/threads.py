@@ -13,19 +13,19 @@ _VERBS = "load", "read", "convert", "output", "transient", "cellwise", "logic", 
 
 
 def checked_threads(threads: Any) -> int:
-    """Return a number of threads that there can be.
+    """Return ``threads`` if it is a whole number from 1 to the number of cores.
 
     Raises:
-        InputError: another number, or none.
+        InputError: another value.
     """
     most = int(numba.config.NUMBA_NUM_THREADS)
     if not is_whole(threads) or not 1 <= threads <= most:
-        raise InputError(f"threads {threads!r}; a whole number from 1 to {most}, the cores there are, wanted")
+        raise InputError(f"threads {threads!r}; a whole number from 1 to {most}, the number of cores, wanted")
     return int(threads)
 
 
 def on_threads(function: Callable[..., Any], threads: int) -> Callable[..., Any]:
-    """Return a function that runs on so many threads, whatever numba has been told for the rest of the process."""
+    """Return a function that runs on ``threads`` threads; numba's setting for the process is restored after it."""
 
     @wraps(function)
     def run(*args: Any, **kwargs: Any) -> Any:
@@ -40,6 +40,6 @@ def on_threads(function: Callable[..., Any], threads: int) -> Callable[..., Any]
 
 
 def keep_to(backend: Any, threads: int) -> None:
-    """Have a backend do all it does on so many threads."""
+    """Make all methods of a backend run on ``threads`` threads."""
     for verb in _VERBS:
         setattr(backend, verb, on_threads(getattr(backend, verb), threads))

@@ -16,10 +16,10 @@ ASLEEP, COASTING, AWAKE = range(3)
 
 
 class LinearSteps(CheckedSteps):
-    """Steps x += gain (A*y + w - x) from a state, which is left as it is; launches write to two planes alternately.
+    """Steps x += gain (A*y + w - x) from a state that is not overwritten; launches write to two planes alternately.
 
-    With the saving "sleep" a CPU leaves out tiles in which no output can change (see sleep.cl). The first two launches
-    step all tiles, since each plane has to be filled once.
+    With the saving "sleep" a CPU skips tiles in which no output can change (see sleep.cl). The first two launches
+    step all tiles, because each of the two planes has to be filled once.
     """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
@@ -65,9 +65,9 @@ class LinearSteps(CheckedSteps):
 
 
 def _fewer_loads(context: DeviceContext, plan: Plan) -> Defines:
-    """Return the definitions of templates whose neighbours block.cl need not load one by one.
+    """Return the definitions with which block.cl loads fewer neighbours; empty if the template allows none.
 
-    Isotropic ones only in float32: float64 keeps the reference's order of sums.
+    Isotropic templates share sums in float32 only: float64 keeps the reference's order of sums.
     """
     if context.family != "cpu":
         return {}

@@ -41,7 +41,7 @@ class PaddedPlanes:
         self.height, self.units, self.cells = height, -(-grid.lines // height), grid.cells
 
     def new(self, count: int) -> Buffer:
-        """Return a buffer of so many planes of zeros: what lies between their rows has to be numbers."""
+        """Return a buffer of ``count`` planes of zeros; the gaps between rows are read, so they must be finite."""
         size = count * self.size * self._context.dtype.itemsize
         buffer = self._context.buffer(size)
         cl.enqueue_fill_buffer(self._context.queue, buffer, np.zeros(1, np.int64), 0, size // 8 * 8)

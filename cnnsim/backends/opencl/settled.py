@@ -13,13 +13,13 @@ from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 
 STRIPES, STRIPE_CELLS = 16, 16_384
-"""The most stripes of lines in a check, and the fewest cells in one."""
+"""The most stripes in a check (a stripe is a range of rows), and the fewest cells in a stripe."""
 
 
 class CheckedSteps(Stepper):
-    """Steps that are checked stripe by stripe, until one shows that the network has not settled.
+    """Steps that are checked stripe by stripe, until a stripe shows that the network has not settled.
 
-    The next check begins at that stripe, where cells mostly still move.
+    The next check begins at that stripe, because its cells probably still change.
     """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
@@ -30,7 +30,7 @@ class CheckedSteps(Stepper):
         self._stripe, self.work = 0, grid.cells * len(plan.feedback_taps)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """Check the state; the rate is that of the stripes looked at, of the ``last`` check that of all."""
+        """Check the state; the rate is the largest of the stripes checked. The ``last`` check reads all stripes."""
         largest, unsaturated, saturation_ends = 0.0, False, self._plan.saturation_ends
         for _ in self._ends[1:]:
             rate, here = self._check_stripe()

@@ -33,7 +33,7 @@ _STEPS = {"cpu": (24, 24, 8, 4, 2), "gpu": (4, 4, 2, 1, 1)}
 class Tiles(NamedTuple):
     """How to launch: the ``number`` of tiles, a work-group each, the ``steps`` of a launch, and the kernel's arguments.
 
-    ``around``: how many tiles below each other and beside each other have all cells that a launch reads.
+    ``around``: how many tiles (down, across) on each side hold the cells that a launch reads.
     """
 
     number: int
@@ -45,7 +45,7 @@ class Tiles(NamedTuple):
     quick: int = QUICK
 
     def global_size(self, count: int) -> tuple[int, int]:
-        """Return the global size for so many tiles."""
+        """Return the global size for ``count`` tiles."""
         return count * self.local_size[0], self.local_size[1]
 
 
@@ -69,7 +69,7 @@ def _bands(
     (grids, rows, cols), lanes, size = grid, context.lanes, context.dtype.itemsize
     widest = widest or (SMALL_ROW_BYTES if small else ROW_BYTES) // size
     across = -(-cols // widest)
-    if across == 1:  # the tile has all columns: nothing but virtual cells beside it
+    if across == 1:  # the tile has all columns: only virtual cells lie to its left and right
         halo, shift, length = 0, lanes, lanes
         while length < cols:
             length *= 2  # few sizes, so that few kernels are built
@@ -80,7 +80,7 @@ def _bands(
     stride += 16  # rows that lie apart by a power of two would share cache sets
     width = cols if across == 1 else _whole(cols, across, lanes)
     across = -(-cols // width)
-    down = -(-8 * context.cores // (grids * across))  # so many tiles that no core waits long for the last one
+    down = -(-8 * context.cores // (grids * across))  # enough tiles that no core waits long for the last one
     down = max(down, -(-rows * width * most * len(plan.feedback_taps) // PIECE))  # short enough for an interrupt
     down = min(down, rows // (8 * most * max(1, radius)), rows * width // 16384)
     if small:  # a band has at least the rows that one launch reads of the next
@@ -110,7 +110,7 @@ def _bands(
 
 
 def _whole(length: int, parts: int, unit: int) -> int:
-    """Return the length of each of so many parts, a multiple of the unit."""
+    """Return the length of each of ``parts`` parts, a multiple of the unit."""
     return -(-length // (parts * unit)) * unit
 
 

@@ -78,7 +78,7 @@ def read_argument(cursor: Cursor) -> tuple[str, str]:
         return match[1].lower(), (match[2] or "").lower()
     given = "nothing" if line is None else repr(line.text[:40])
     cursor.report.error(
-        line.number if line else None, f"NONLIN_D wants a line such as 'x-u#' or 'x-x#x-x'; {given} is there"
+        line.number if line else None, f"NONLIN_D: {given} follows; a line such as 'x-u#' or 'x-x#x-x' wanted"
     )
     if line and "#" in line.text:
         cursor.take()

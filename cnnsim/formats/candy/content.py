@@ -67,7 +67,7 @@ class Layer:
     line: int = field(default=0, compare=False)
 
     def function(self, letter: str) -> FunctionLine:
-        """Return the function of a letter.
+        """Return the function line that defines ``letter``.
 
         Raises:
             InputError: no line of the layer defines it.

@@ -1,7 +1,7 @@
 """From the blocks of a ``.tem`` file to templates: matrices become A and B, all other blocks become terms.
 
-CANDY's differences are centre minus neighbour, written ``x-u``: x_ij - u_kl; ours are neighbour minus centre. So a
-function comes over mirrored, and where it multiplies the difference (``x-x#x-x``) the weights change sign as well.
+CANDY's differences are centre minus neighbour (``x-u`` is x_ij - u_kl); ours are neighbour minus centre. So functions
+are mirrored, and if a function multiplies the difference (``x-x#x-x``), the weights change sign as well.
 """
 
 from collections.abc import Iterator

@@ -44,7 +44,7 @@ def settings(names: Sequence[str], most: int) -> Iterator[tuple[str, str, str, f
 def measured(
     given: dict[str, Any], exact: Floats, setting: tuple[str, str, str, float], rounds: int = 3
 ) -> PrecisionRow | None:
-    """Return the row of one setting, the best time of some rounds; None where the step is not stable, or not fitting.
+    """Return the row of a setting, with the best time of ``rounds`` runs; None if the step is unstable or invalid.
 
     Arguments: ``given`` as `cnnsim.task.make_task` takes it, with a duration; ``exact`` the state at its end.
     """

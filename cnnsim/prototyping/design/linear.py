@@ -169,11 +169,11 @@ def _mean(parts: Sequence[tuple[Fraction, int]], rows: Signs) -> list[Any]:
 
 
 def soft_margin_colours(rows: Signs, table: Signs, weights: Floats, hard: int = 0) -> Signs | None:
-    """Return the colours (n,) of a threshold that minimises the weighted sum of its shortfalls on a table.
+    """Return the colours (n,) of a linear threshold that fits a table with the least weighted sum of slacks.
 
     minimise sum c_i e_i under d_i (w . v_i + z) >= 1 - e_i, e_i >= 0 (Cortes and Vapnik, "Support-vector networks",
-    Machine Learning 20 (1995) 273, without the norm); rows of the colour ``hard`` must have e_i = 0. None if a sum
-    comes out too near to zero to have a colour.
+    Machine Learning 20 (1995) 273, without the norm); rows of the colour ``hard`` must have e_i = 0. None if there is
+    no solution, or if |w . v_i + z| is below 1e-6 for a row.
     """
     from scipy.optimize import linprog
     from scipy.sparse import csr_array, diags_array, hstack

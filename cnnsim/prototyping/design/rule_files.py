@@ -132,7 +132,7 @@ def rule_of_pairs(pairs: Sequence[PicturePair], boundary: Boundary) -> WindowRul
                 names = {1: "black", -1: "white"}
                 raise InputError(
                     f"window {window_text(blank.rows[code])} becomes {names[-colour]} in {seen[int(code)]} and "
-                    f"{names[colour]} in {here}; no rule of 3 x 3 windows does both"
+                    f"{names[colour]} in {here}; one colour for each window wanted"
                 )
             table[code] = colour
             seen.setdefault(int(code), here)

@@ -49,9 +49,9 @@ def error_rate_of(entry: LibraryEntry, seed: int = 0, shown: Sequence[Example] =
 
 
 def shown_to(entry: LibraryEntry, pictures: Array, state: Array | None = None) -> list[Example]:
-    """Return pictures (n, rows, cols) as examples whose right output is what the template makes of them undisturbed.
+    """Return pictures (n, rows, cols) as examples whose expected output is that of the template without errors.
 
-    A template for moving pictures takes all as one sequence; ``state`` is the second picture of those that take one.
+    A template for moving pictures takes all as one sequence. ``state`` is the second picture, for templates with two.
 
     Raises:
         InputError: a second picture too many or too few, or of another size.

@@ -29,7 +29,7 @@ def margin_of(entry: LibraryEntry) -> Margin:
 
     Without neighbours in A: min |s + (a - 1) x(0)|, less 1 - a where a < 1 and the output has to saturate; s = B*u + z,
     and x(0) counts where it decides (a > 1). Coupled: min |(a - 1) y_c + sum A y + sum B u + z| over all combinations
-    of taps that are not zero, also those that never occur. Zarandy, "The art of CNN template design", Int. J. Circuit
+    of nonzero taps, including impossible ones. Zarandy, "The art of CNN template design", Int. J. Circuit
     Theory Appl. 27 (1999) 5; Haenggi and Moschytz, IEEE Trans. CAS-I 46 (1999) 304.
     """
     template = entry.network
@@ -121,7 +121,7 @@ def _coupled(entry: LibraryEntry) -> Margin:
         return _none(too_many(len(weights)))
     value = float(np.abs(np.round(sums + template.z, DIGITS)).min())
     size = abs(template.z) + float(np.abs(template.A).sum() + np.abs(template.B).sum())
-    why = "the smallest drive over all combinations of its taps, also those that never occur"
+    why = "the smallest drive over all combinations of its taps, including impossible ones"
     return Margin(value, value / size, False, why)
 
 

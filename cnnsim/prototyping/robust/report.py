@@ -150,5 +150,5 @@ def draw_robustness(found: Robustness, path: str | Path) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    with writing(path) as beside:
-        found.figure().savefig(beside, dpi=120)
+    with writing(path) as temporary:
+        found.figure().savefig(temporary, dpi=120)

@@ -51,8 +51,8 @@ def draw_trace(
     axes["x"].legend(title="row,col", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     plot.outputs(trace.t, _series(trace.y, cells), (), axes["y"])
     _sheet(below, rows, [float(trace.t[frame]) for frame in shown])
-    with writing(path) as beside:
-        figure.savefig(beside, dpi=120)
+    with writing(path) as temporary:
+        figure.savefig(temporary, dpi=120)
 
 
 def given_pictures(task: Task, layer: int = 0) -> Pictures:

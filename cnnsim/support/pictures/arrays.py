@@ -60,13 +60,13 @@ def of_array(path: Path, reading: PictureOptions, key: str) -> PictureSequence:
 
 
 def check_array_levels(values: Any, name: str) -> None:
-    """Refuse whole numbers that are only 0 and 1: grey levels, CNN values and labels look alike then.
+    """Refuse whole numbers that are only 0 and 1, because they may be grey levels, CNN values or labels.
 
     Zeros alone are refused except in unsigned numbers of 8 or 16 bits, where they are black grey levels. A stored array
     is read in blocks up to the first other number.
 
     Raises:
-        InputError: so they are.
+        InputError: all numbers are 0 or 1.
     """
     if values.dtype.kind not in "iu" or not values.ndim or 0 in values.shape:
         return

@@ -58,8 +58,8 @@ def filming(path: str | Path, rate: float) -> Iterator[AddPicture]:
         raise InputError(f"cannot write {path}: a film is one of {', '.join(FILM_ENDINGS)}")
     if Path(path).suffix.lower() != ".gif":
         video_library(path)  # so that the error has the user's path
-    with writing(path) as beside:
-        yield from (_gif if beside.suffix.lower() == ".gif" else _video)(beside, rate)
+    with writing(path) as temporary:
+        yield from (_gif if temporary.suffix.lower() == ".gif" else _video)(temporary, rate)
 
 
 def write_film(

@@ -144,8 +144,8 @@ def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bo
         raise InputError(f"{path}: a picture of shape {values.shape}; (rows, cols) wanted")
     if not np.isfinite(largest(values)):
         raise InputError(f"{path}: a picture that holds {values[~np.isfinite(values)][0]}; finite numbers wanted")
-    with writing(path, follow=follow) as beside:
-        to_image(values, scale).save(beside)
+    with writing(path, follow=follow) as temporary:
+        to_image(values, scale).save(temporary)
 
 
 def _cell(value: float) -> float:

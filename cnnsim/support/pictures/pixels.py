@@ -60,8 +60,8 @@ def tell_if_dark(name: str, most: float, levels: Levels | None) -> None:
     dark = levels is not None and max(levels) == _SIXTEEN_BITS and 0 < most <= _SIXTEEN_BITS / 16
     if dark and Notices.tell is not None:
         top = 2 ** max(8, int(most).bit_length()) - 1
-        said = f"{name}: its numbers reach {most:g} of {_SIXTEEN_BITS:.0f}, so all of it is nearly black"
-        Notices.once(f"{said}; where they mean more, --range tells (0,{top} perhaps)")
+        said = f"{name}: its largest number is {most:g} of {_SIXTEEN_BITS:.0f}, so the picture is nearly black"
+        Notices.once(f"{said}; if {top} is white, use --range 0,{top}")
 
 
 def values_of(
@@ -195,7 +195,7 @@ def check_whole(image: Image.Image, name: str, least: float, most: float) -> Non
     """Refuse whole numbers of 32 bits, whose format has no range.
 
     Raises:
-        InputError: so they are.
+        InputError: the picture has whole numbers of 32 bits.
     """
     if image.mode == "I":
         raise InputError(

@@ -72,7 +72,7 @@ def test_a_backend_works_on_its_own_number_and_leaves_that_of_the_process(monkey
 
 @pytest.mark.parametrize("wrong", [0, -1, True, 1.5, "2", 10_000])
 def test_a_number_that_cannot_be(wrong: Any) -> None:
-    with pytest.raises(InputError, match=f"threads .*; a whole number from 1 to {ALL}, the cores there are, wanted"):
+    with pytest.raises(InputError, match=f"threads .*; a whole number from 1 to {ALL}, the number of cores, wanted"):
         get("cpu", threads=wrong)
 
 
@@ -92,4 +92,4 @@ def test_programs_and_command_lines_take_it_too(tmp_path: Path) -> None:
         assert plain.output == one.output
         many = CliRunner().invoke(main, [*texts, "--threads", "10000"])
         assert many.exit_code == 2
-        assert "the cores there are" in many.output
+        assert "the number of cores" in many.output

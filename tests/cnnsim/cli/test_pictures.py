@@ -66,8 +66,8 @@ def test_sixteen_bits_of_which_few_are_used(ending: str, tmp_path: Path, monkeyp
         Image.fromarray(depth).save(file)
     done = call("run", "threshold-zero", file)
     assert done.exit_code == 0
-    assert "reach 4095 of 65535, so all of it is nearly black" in done.stderr
-    assert "--range tells (0,4095 perhaps)" in done.stderr
+    assert "its largest number is 4095 of 65535, so the picture is nearly black" in done.stderr
+    assert "if 4095 is white, use --range 0,4095" in done.stderr
     assert "nearly black" not in call("run", "threshold-zero", file, "--range", "0,4095").stderr
 
 

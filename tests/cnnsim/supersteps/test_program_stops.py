@@ -78,9 +78,9 @@ def test_stores_of_something_else_are_refused(tmp_path: Path) -> None:
         again("opening", picture, dtype="float64")
     with pytest.raises(InputError, match="has the store of another run"):
         again("opening", other)
-    with pytest.raises(InputError, match=r"run 2 in .*store was of other planes"):
+    with pytest.raises(InputError, match=r"run 2 in .*store had other planes; the same planes"):
         again("opening", picture, picture)
-    with pytest.raises(InputError, match="has blocks of 24 cells, not of 32; 24, or no side, wanted"):
+    with pytest.raises(InputError, match="has blocks of side 24, not 32; side 24, or no side, wanted"):
         again("opening", picture, engine=one(side=32))
     with pytest.raises(InputError, match="another Zarr store, not one of cnnsim supersteps"):
         cnnsim.run_transient(cnnsim.Template(1.0), state=np.ones(SHAPE), duration=1.0, engine=one(), store=store)

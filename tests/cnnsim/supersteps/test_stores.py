@@ -49,7 +49,7 @@ def test_a_store_keeps_its_blocks_with_any_number_of_workers(tmp_path: Path) -> 
         again = cnnsim.run_transient(MIXED, engine=engine, **task)
         assert again.x.tobytes() == whole.x.tobytes()
         assert "blocks of 24 x 24" in again.plan.explain()
-    with pytest.raises(InputError, match="store has blocks of 24 cells, not of 20; 24, or no side, wanted"):
+    with pytest.raises(InputError, match="store has blocks of side 24, not 20; side 24, or no side, wanted"):
         cnnsim.run_transient(MIXED, engine=one(side=20), **task)
 
 

@@ -27,9 +27,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_file_is_there_whole_or_not_at_all(folder: Path) -> None:
     (folder / "x.txt").write_text("before")
-    with pytest.raises(KeyboardInterrupt), writing("x.txt") as beside:
-        beside.write_text("half")
-        assert beside.name == "x.txt"  # the ending decides the format
+    with pytest.raises(KeyboardInterrupt), writing("x.txt") as temporary:
+        temporary.write_text("half")
+        assert temporary.name == "x.txt"  # the ending decides the format
         assert (folder / "x.txt").read_text() == "before"
         raise KeyboardInterrupt
     assert (folder / "x.txt").read_text() == "before"
@@ -37,8 +37,8 @@ def test_a_file_is_there_whole_or_not_at_all(folder: Path) -> None:
 
 
 def test_what_is_wrong_is_said_of_the_name_that_was_given(folder: Path) -> None:
-    with pytest.raises(InputError, match=r"^cannot write the recording x\.mcap: full$"), writing("x.mcap") as beside:
-        raise InputError(f"cannot write the recording {beside}: full")
+    with pytest.raises(InputError, match=r"^cannot write the recording x\.mcap: full$"), writing("x.mcap") as temporary:
+        raise InputError(f"cannot write the recording {temporary}: full")
 
 
 def test_links_rights_and_devices_stay_what_they_are(folder: Path) -> None:

@@ -109,6 +109,6 @@ def test_a_contraction_is_known_by_its_norm() -> None:
 def test_a_boundary_that_no_proof_covers_has_no_guarantee(monkeypatch: pytest.MonkeyPatch) -> None:
     assert guaranteed_time(library.load("shadow-left").template, (8, 9), ZERO_FLUX).time is not None
     monkeypatch.setattr(running_time, "PROVED", ("fixed",))
-    assert "no theory here of a zero-flux boundary" in str(
+    assert "no bound is known for a zero-flux boundary" in str(
         guaranteed_time(library.load("shadow-left").template, (8, 9), ZERO_FLUX)
     )

@@ -1,7 +1,7 @@
-"""Steps that a sleeping tile missed, taken at once: its cells approach constant drives, x <- x + h (drive - x).
+"""Steps that a sleeping tile missed, taken in one call: its cells approach constant drives, x <- x + h (drive - x).
 
-Cells with the same state and the same drive go the same way, and a sleeping tile has few such pairs: in black and white
-as many as a neighbourhood has sums. The way of a pair is computed once, and the other cells take its end.
+Cells with the same pair (state, drive) end in the same state. A sleeping tile has few different pairs: in black and
+white at most the number of sums of a neighbourhood. Each pair is stepped once, and all cells with it get the result.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from cnnsim.backends.cpu.tiles.rows import BLOCK, PAD, STRIDE
 from cnnsim.support import Array
 
 PAIRS = PAD
-"""Pairs that are kept: a vector of float32, and more than the sums of eight neighbours of one colour."""
+"""Most pairs (state, drive) in the table: a vector of float32, more than the sums of eight neighbours of one colour."""
 
 
 def _go(x: Array, drive: Array, h: float, steps: int) -> None:
@@ -31,7 +31,7 @@ _go_fused, _go_exact = fused(_go), helper(_go)
 
 @helper
 def _go_on(x: Array, drive: Array, h: float, steps: int) -> None:
-    """Take steps of some cells, until no bit changes any more."""
+    """Take ``steps`` steps of some cells, or fewer if a step changes no bit."""
     if x.itemsize == 4:
         _go_fused(x, drive, h, steps)
     else:
@@ -40,7 +40,7 @@ def _go_on(x: Array, drive: Array, h: float, steps: int) -> None:
 
 @helper
 def _look_up(x: Array, drive: Array, pairs: Array, count: int, ends: Array) -> int:
-    """Write the ends of the cells whose pairs are known; return their number."""
+    """Write the final states of the cells whose pairs are in the table; return the number of these cells."""
     hits = np.int32(0)
     for k in range(count):
         of, to, end = pairs[k], pairs[PAIRS + k], pairs[2 * PAIRS + k]
@@ -53,7 +53,7 @@ def _look_up(x: Array, drive: Array, pairs: Array, count: int, ends: Array) -> i
 
 @helper
 def _add(x: Array, drive: Array, pairs: Array, count: int) -> int:
-    """Add the unknown pairs of a row; return the number of pairs, `PAIRS` + 1 if they are too many."""
+    """Add the pairs (state, drive) of a row to the table; return their number, `PAIRS` + 1 if the table is full."""
     for j in range(x.size):
         known = False
         for k in range(count):
@@ -69,10 +69,10 @@ def _add(x: Array, drive: Array, pairs: Array, count: int) -> int:
 
 @helper
 def catch_up_block(xs: Array, drives: Array, pairs: Array, ends: Array, h: float, steps: int, count: int) -> int:
-    """Take the missed steps of a block of rows, with the rounding of every single one.
+    """Take the missed steps of a block of rows; each step is rounded.
 
-    ``pairs`` has the states, drives and ends of ``count`` pairs; the new number of pairs is returned. ``ends`` is a row
-    of scratch memory as long as the rows of the block.
+    ``pairs`` has the states, drives and final states of ``count`` pairs. Returns the new number of pairs. ``ends`` is a
+    row of scratch memory as long as the rows of the block.
     """
     n = ends.size
     for q in range(0, BLOCK * STRIDE, STRIDE):

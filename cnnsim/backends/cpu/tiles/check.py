@@ -1,8 +1,8 @@
 """Checks whether a network has settled: the largest |dx/dt|, and the area of cells that are not saturated for good.
 
-A cell is saturated for good if |x| >= 1 and its drive d = A*y + w pulls it outwards: sign(x) d >= 1. While the outputs
-of its neighbours stay, so does d, and a step x + h (d - x) with h <= 1 cannot bring it back inside: the exact value
-lies between x and d, and rounding keeps the order of numbers and 1 is one of them. So its output stays, to the bit.
+A cell is saturated for good if |x| >= 1 and sign(x) d >= 1 for its drive d = A*y + w. While the outputs of its
+neighbours are constant, d is constant. A step x + h (d - x) with h <= 1 then keeps |x| >= 1: the exact value lies
+between x and d, rounding is monotonic, and 1 is a floating-point number. So the output keeps every bit.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ FIGURES = 5
 
 @helper
 def saturated(x: float, drive: float, one: float) -> bool:
-    """Return whether a cell is saturated for good, as long as its neighbours' outputs stay."""
+    """Return whether a cell is saturated for good: its output is constant while its neighbours' outputs are."""
     return ((x >= one) & (drive >= one)) | ((x <= -one) & (drive <= -one))
 
 
@@ -34,7 +34,7 @@ def start_check(found: Array) -> None:
 
 @helper
 def all_saturated(found: Array) -> bool:
-    """Return whether many checks found only saturated cells; a helper, because numba would thread the loop."""
+    """Return whether all checks found only saturated cells; a helper, because numba would thread the loop."""
     count = 0
     for i in range(found.shape[0]):
         count += found[i, R0] < np.inf
@@ -43,7 +43,7 @@ def all_saturated(found: Array) -> bool:
 
 @helper
 def largest_of(found: Array) -> float:
-    """Return the largest |dx/dt| of many checks."""
+    """Return the largest |dx/dt| of all checks."""
     largest = 0.0
     for i in range(found.shape[0]):
         largest = max(largest, found[i, RATE])

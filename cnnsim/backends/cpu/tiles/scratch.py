@@ -29,10 +29,10 @@ def move(scratch: Array, source: int, target: int, n: int) -> None:
 
 @helper
 def clear(scratch: Array, width: int) -> None:
-    """Write 0 wherever rows of tiles of this width, with their surroundings, come to lie.
+    """Write 0 to all cells that rows of tiles of this width and their halo use.
 
-    Cells that nobody reads are computed with the others. Old memory often holds subnormal numbers, with which a
-    processor takes three times as long.
+    Unused cells of a vector are computed as well. Uninitialised memory often holds subnormal numbers, with which
+    arithmetic takes three times as long.
     """
     for row in range(0, scratch.size, STRIDE):
         fill(scratch[row : row + min(width + 4 * PAD, STRIDE, scratch.size - row)], 0)
@@ -40,9 +40,9 @@ def clear(scratch: Array, width: int) -> None:
 
 @helper
 def load_padded(scratch: Array, at: int, plane: Array, i: int, first: int, n: int, whole: int) -> None:
-    """Load n cells of a row (see `load_row`) and set those up to ``whole`` to 0.
+    """Load n cells of a row (see `load_row`) and set the cells from n to ``whole`` to 0.
 
-    Left alone, they would decay from pass to pass into subnormal numbers.
+    Without this they would decay to subnormal numbers.
     """
     fill(scratch[at + n : at + whole], 0)
     load_row(scratch[at : at + n], plane, i, first)

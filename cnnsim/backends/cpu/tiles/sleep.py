@@ -96,7 +96,7 @@ def _list_work(tiles: Array, with_different: bool, rows: int, done: int) -> tupl
 
 @helper
 def _arrive(tiles: Array, step: int) -> float:
-    """Set the step of the chosen tiles; return the largest |dx/dt| in them."""
+    """Record that the chosen tiles have reached ``step``; return the largest |dx/dt| in them."""
     rate = 0.0
     for tile in range(tiles.shape[0]):
         if tiles[tile, CHOSEN]:

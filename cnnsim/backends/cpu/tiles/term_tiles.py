@@ -29,9 +29,9 @@ LEAST = 8
 LOW = 32
 """Rows and columns of a torus up to which all its rows stay in the cache: more cells would lie around it than in it."""
 APART = 32
-"""Numbers between those that two threads write, which must not share a cache line."""
+"""Distance between numbers that two threads write: they must not share a cache line."""
 FOUND = 2
-"""Numbers found besides one for each layer: see `step_tile`."""
+"""Results in addition to one for each layer: see `step_tile`."""
 
 
 @cache

@@ -1,1 +1,1 @@
-"""The OpenCL device: found, named, its memory and programs, and what PoCL needs."""
+"""The OpenCL device: its choice, name, memory and programs, and the settings for PoCL."""

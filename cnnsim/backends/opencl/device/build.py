@@ -23,33 +23,33 @@ Defines = Mapping[str, str | int]
 
 
 class BuildError(InputError):
-    """OpenCL text that the device's compiler refuses; the message has its log."""
+    """OpenCL text that the device's compiler rejects; the message has the compiler's log."""
 
 
 def build(context: cl.Context, device: cl.Device, text: str, what: str) -> cl.Program:
     """Build a program; ``what`` names it in messages.
 
     Raises:
-        BuildError: the device's compiler refuses it.
-        InputError: it refuses everything, and there is a way out.
+        BuildError: the device's compiler rejects the program.
+        InputError: the compiler rejects every program for a known reason (see `pocl.remark`).
     """
-    # -w: what a compiler remarks on is no business of those who run it
+    # -w: compiler warnings do not help users
     options = ["-w"]
     if device.single_fp_config & cl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT:
         options.append("-cl-fp32-correctly-rounded-divide-sqrt")
     try:
         with warnings.catch_warnings():
-            # pyopencl warns of every build log that is not empty, and drivers write a line when all is well
+            # pyopencl warns of every build log that is not empty; some drivers write a log without any fault
             warnings.simplefilter("ignore", cl.CompilerWarning)
-            return _beside(lambda: cl.Program(context, text).build(options=options, devices=[device]))
+            return _in_thread(lambda: cl.Program(context, text).build(options=options, devices=[device]))
     except cl.RuntimeError as error:
         if remark := pocl.remark(device):
             raise InputError(f"{device.name}: {remark}") from error
         raise BuildError(f"{device.name}: the OpenCL text of {what!r} does not build:\n{error}") from error
 
 
-def _beside(work: Callable[[], cl.Program]) -> cl.Program:
-    """Do work that takes seconds outside of Python in a thread: the main one hears a signal while it waits."""
+def _in_thread(work: Callable[[], cl.Program]) -> cl.Program:
+    """Do work that takes seconds outside of Python in a thread, so that the main thread can handle signals."""
     done: Future[cl.Program] = Future()
 
     def run() -> None:

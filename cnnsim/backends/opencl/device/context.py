@@ -94,7 +94,7 @@ class DeviceContext:
         return cast(Buffer, self._pool.allocate(size))  # it is used as one
 
     def plane(self, cells: int) -> Buffer:
-        """Return a buffer for so many numbers."""
+        """Return a buffer for ``cells`` numbers."""
         return self.buffer(cells * self.dtype.itemsize)
 
     def works_in_place(self, size: int) -> bool:

@@ -115,8 +115,8 @@ def check_not_forked(owner: int) -> None:
     """
     if os.getpid() != owner:
         raise InputError(
-            "OpenCL was used before this process was forked, and its threads stayed behind; a process that starts anew "
-            "wanted: multiprocessing.get_context('spawn')"
+            "OpenCL was used before this process was forked, and a forked process has none of its threads; a spawned "
+            "process wanted: multiprocessing.get_context('spawn')"
         )
 
 

@@ -36,7 +36,7 @@ __kernel void steps(__global const real *x, __global const real *w, __global con
     const int left = SHIFT - first_col, right = SHIFT + cols - first_col;
     __local real *const outputs = scratch + T * RADIUS * STRIDE, *const states = outputs + live * STRIDE;
     __local real *const drives = states + live * STRIDE, *const gains = drives + live * STRIDE;
-    const int seen = HALO ? levels * RADIUS : 0; // columns beside its own ones that a tile reads
+    const int seen = HALO ? levels * RADIUS : 0; // columns left and right of its own that a tile reads
     const int near = max(0, SHIFT - EVEN(seen)), end = near + EVEN(SHIFT + own_cols + seen - near);
     const int begin = torus ? first_row - levels * RADIUS : max(first_row - levels * RADIUS, 0);
     int line = T * RADIUS; // where row `row` lies among the live ones

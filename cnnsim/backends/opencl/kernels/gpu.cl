@@ -1,10 +1,10 @@
 // Steps of a one-stage scheme on a GPU: up to T a launch, states in registers, outputs in local memory.
 //
 // A work-group owns a tile of WIDE x HIGH cells, of which the rim of HALO = T * RADIUS belongs to its neighbours and
-// is computed again here, so that groups never wait for each other. Work-items stand WIDE beside each other and
-// HIGH / R below each other; each holds R cells of a column. The tile's outputs are kept twice, one being read while
-// the other is written: one barrier a step. Where the grid ends, each real cell at the rim writes the virtual cells
-// that stand for it (or for a fixed boundary the virtual cells write their constant), at every step.
+// is computed again here, so that groups never wait for each other. A work-group has WIDE columns and HIGH / R rows of
+// work-items; each holds R cells of a column. The tile's outputs are kept in two buffers, one read while the other is
+// written: one barrier a step. At the edge of the grid, each real cell writes the virtual cells that repeat it (for a
+// fixed boundary the virtual cells write their constant), at every step.
 
 #define ROW_LENGTH (WIDE + 2 * RADIUS)
 #define PLACE(i, j) (((i) + RADIUS) * ROW_LENGTH + (j) + RADIUS)

@@ -1,6 +1,6 @@
 // Rows of a tile of cpu.cl: loaded, moved, surrounded by virtual cells, compared. Comes after block.cl.
 
-// Set the virtual cells beside one row of outputs; the grid's columns are left .. right - 1 of the buffer.
+// Set the virtual cells at both ends of one row of outputs; the grid's columns are left .. right - 1 of the buffer.
 static void fix_columns(__local real *row, int left, int right)
 {
 #ifndef COPIES
@@ -54,7 +54,7 @@ static void load_row(__global const real *x, __global const real *w, __global co
 {
     x += line * cols + start;
     w += line * cols + start;
-    if (first >= V) VEC(__local, ys + first - V) = (vec)0; // read beside the others; memory may hold denormal numbers
+    if (first >= V) VEC(__local, ys + first - V) = (vec)0; // read with the others; memory may hold denormal numbers
     VEC(__local, ys + stop) = (vec)0;
     int j = first;
 #if BOUNDARY != BOUNDARY_PERIODIC

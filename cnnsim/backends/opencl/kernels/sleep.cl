@@ -22,7 +22,7 @@ enum { MOVED = 1, LOOSE = 2, NORTH = 4, SOUTH = 8, WEST = 16, EAST = 32 };
 #define HELD(s, d, gain)                                               \
     ((gain == (vec)0) & (s <= (vec)EXACT) & (s >= (vec)-EXACT) & (d <= (vec)EXACT) & (d >= (vec)-EXACT))
 
-// What a tile does in a launch, at least `least`; `beyond` and `beside` tiles around it count.
+// What a tile does in a launch, at least `least`; depends on `beyond` tiles above and below, `beside` left and right.
 static inline int turn_of(__global const uchar *moved, int tile, int across, int down, int beyond, int beside, int least)
 {
     if (least == AWAKE) return AWAKE;

@@ -128,7 +128,7 @@ KERNEL void closed_form(__global const real *x, __global const real *u, __global
 }
 
 #else // SETTLED
-// Two numbers a work-item (or, on a GPU, a work-group) for so many lines from line `first` on: the largest |dx/dt| of
+// Check lines from line `first` on. Each work-item (on a GPU each work-group) gives two numbers: the largest |dx/dt| of
 // its free cells, and 1 if one of them is not saturated for good.
 KERNEL void check_settled(__global const real *x, __global const real *w, __global const ulong *mask,
                           __global real *partial, ARGUMENTS)
