@@ -31,8 +31,7 @@ class PortReader:
 
     ``hand_on`` is called with new chunks, also with an empty list, by one thread at a time: the reader's or that of
     `poll`; ``ended`` after the last chunk. A port that fails is closed and opened again when it is back, unless
-    ``once``. ``why`` is the reason why it is closed now, ``plugged`` [ns] the time since when it is open, ``dropped``
-    the number of lost bytes.
+    ``once``. ``why`` is the reason why it is closed now, ``dropped`` the number of lost bytes.
 
     Raises:
         InputError: the port cannot be opened the first time.
@@ -42,7 +41,7 @@ class PortReader:
         self, name: str, baudrate: int, talk: Talk, hand_on: Callable[[list[Chunk]], None],
         ended: Callable[[], None] = lambda: None, once: bool = False,
     ) -> None:  # fmt: skip
-        self.unplugged = self.dropped = self.plugged = 0
+        self.unplugged = self.dropped = 0
         self.why = ""
         self._name, self._baudrate, self._talk = name, baudrate, talk
         self._hand_on, self._ended, self._once = hand_on, ended, once
@@ -102,7 +101,6 @@ class PortReader:
         read = self._read_here if self._drained is None else self._read_drained
         try:
             while not self._stop.is_set():
-                self.plugged = self.now()
                 self._note(PLUGGED)
                 try:
                     read()
