@@ -14,6 +14,7 @@ from tactile.calibration.live_tare import LiveTare
 from tactile.cli.options import FILE, JSON
 from tactile.core.frame import Frame
 from tactile.core.source import Source
+from tactile.sources import open_source
 
 
 @click.command(
@@ -63,7 +64,6 @@ def calibrate(
         raise click.UsageError("--speed-mm-s and --load-n of a needle wanted, or --weights FILE")
     from tactile.calibration.file import write_calibration  # slow to import
     from tactile.calibration.from_scan import calibrate as from_scan  # the same
-    from tactile.sources import open_source  # the same
 
     source = open_source(scan)
     (array, *others), modulus = source.arrays, source.modulus
@@ -115,7 +115,6 @@ def _from_weights(scan: Path, weights: Path, fit: Model, tare: int, output: Path
     """Calibrate every taxel by known loads."""
     from tactile.calibration.taxel_file import write_taxel_gains  # imported when used
     from tactile.calibration.weights_file import read_weights, steady_means  # the same
-    from tactile.sources import open_source  # slow to import
 
     times, loads = read_weights(weights)
     source = open_source(scan)

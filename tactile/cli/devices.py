@@ -15,6 +15,7 @@ from cnnsim.support.exclusive_file import lock, open_shut
 from cnnsim.support.terminal import echo
 from tactile.cli.options import ARRAY, FILE, JSON, PROTOCOL, chosen_description, write_new_text
 from tactile.cli.port.console import be_steady, ends_at_once, stopping
+from tactile.sources import open_source
 
 if TYPE_CHECKING:
     from tactile.serial.emulator import Emulator
@@ -69,7 +70,6 @@ def emulate(
     """
     from tactile.serial.emulator import Emulator  # imported when used
     from tactile.serial.faults import Faults  # the same
-    from tactile.sources import open_source  # the same
     from tactile.wire.packets import check_form, emulated_description, packets  # the same
     from tactile.wire.source import UNPLUGGED  # the same
 

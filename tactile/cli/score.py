@@ -1,7 +1,7 @@
 """Command `score`: recordings and sequences against labels, simulated grasps against closed forms."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -9,10 +9,9 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.terminal import echo
 from tactile.cli.options import ARRAY, FILE, JSON, Finite, check_thresholds, detection
-
-if TYPE_CHECKING:
-    from tactile.core.source import Source
-    from tactile.settings import Settings
+from tactile.core.source import Source, provenance
+from tactile.settings import PipelineOptions, Settings
+from tactile.sources import open_source
 
 HALVES = ("all", "tune", "report")
 FEW = 0.5
@@ -76,22 +75,18 @@ def score(
         raise click.UsageError("--gain, --kind and --rate are of sequences; a file of them and --array wanted")
     if recordings is None and not grasps and not idle_minutes:
         raise click.UsageError("nothing to score; a folder and --labels, --grasps or --idle-minutes wanted")
-    from tactile.core.source import provenance  # imported when used
-    from tactile.settings import PipelineOptions  # the same
-
     check_thresholds(chosen)
     found: dict[str, Any] = {}
 
-    def settings(source: "Source") -> "Settings":
+    def settings(source: Source) -> Settings:
         options = PipelineOptions(**chosen, tare="auto" if provenance(source).untared else "off")
         return options.settings(source)
 
     if recordings is not None and labels is not None:
-        from tactile.score.labels import read_labels  # the same
+        from tactile.score.labels import read_labels  # imported when used
         from tactile.score.measure import score as measure  # the same
-        from tactile.sources import open_source  # the same
 
-        def opened(path: Path) -> tuple["Source", "Settings"]:
+        def opened(path: Path) -> tuple[Source, Settings]:
             source = open_source(path)
             return source, settings(source)
 

@@ -2,6 +2,7 @@
 
 import sys
 import threading
+import time
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from tactile.cli.options import (
     new_mcap,
 )
 from tactile.cli.port import console
+from tactile.settings import PipelineOptions
 
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
 SECONDS = click.option("--seconds", type=Finite(0, min_open=True), help="Stop after this time [s].")
@@ -97,7 +99,7 @@ def live(
     """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, t! takes it
     whatever presses, q or Ctrl-C ends.
     """
-    from tactile.cli.port.live import LiveMonitor, LiveOptions, print_line  # the same
+    from tactile.cli.port.live import LiveMonitor, LiveOptions  # the same
     from tactile.recording.writer import Recording  # imported when used
     from tactile.serial.session import Session  # the same
 
@@ -111,7 +113,7 @@ def live(
     fingers = console.warm_up(description, options)
     console.be_steady()
     view = sys.stdout.isatty() and not as_json
-    say = print_line if as_json else console.nothing if view else console.tell
+    say = console.print_line if as_json else console.nothing if view else console.tell
     ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
         session = Session(port, description, into, seconds, once, ending, warn)
@@ -134,12 +136,9 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
 
     Options of thresholds and programs take the place of those of the live run, and these of those in the array file.
     """
-    import time  # imported when used
-
-    from tactile.cli.port.live import LiveMonitor, print_line, recorded_options  # the same
+    from tactile.cli.port.live import LiveMonitor, recorded_options  # imported when used
     from tactile.cli.port.live import paced as at_its_time
     from tactile.recording.reader import open_recording  # the same
-    from tactile.settings import PipelineOptions  # the same
     from tactile.wire.source import WireSource  # the same
 
     recorded = open_recording(recording)
@@ -153,11 +152,11 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
     if paced or speed is not None:
         chunks = at_its_time(chunks, speed or 1.0, time.monotonic, time.sleep)
     source = WireSource(recorded.description, chunks)
-    say = print_line if as_json else console.tell
+    say = console.print_line if as_json else console.tell
     monitor = LiveMonitor(source, say)
     monitor.run(options)
     if as_json:
-        print_line(monitor.status() | {"type": "end", "complete": recorded.complete, "state": recorded.state})
+        console.print_line(monitor.status() | {"type": "end", "complete": recorded.complete, "state": recorded.state})
         return
     echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {source.counts}")
     if recorded.state:

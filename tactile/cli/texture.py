@@ -1,6 +1,8 @@
 """Commands for textures: train, classify, report."""
 
+import json
 from collections.abc import Callable
+from dataclasses import replace as changed
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +10,7 @@ import click
 
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.files import check_free
+from cnnsim.support.files import check_free, write_text
 from cnnsim.support.terminal import echo, say_table
 from tactile.cli.options import FILE, JSON, Finite
 
@@ -184,13 +186,11 @@ def report(
 
 
 def _slides(path: Path, labels: Path | None, speed: float | None) -> "list[Slide]":
-    from dataclasses import replace  # with what is read alone
-
     from tactile.materials.slide_folder import read_slides
     from tactile.materials.slide_labels import read_slide_labels
 
     slides = read_slides(path, None if labels is None else read_slide_labels(labels))
-    return slides if speed is None else [replace(one, speed=speed * 1e-3) for one in slides]
+    return slides if speed is None else [changed(one, speed=speed * 1e-3) for one in slides]
 
 
 def _check_window(asked: int, learned: int) -> None:
@@ -200,9 +200,6 @@ def _check_window(asked: int, learned: int) -> None:
 
 
 def _write(folder: Path, facts: dict[str, Any], found: "list[Assessment]", table: Any, title: str) -> None:
-    import json  # with pictures alone
-
-    from cnnsim.support.files import write_text
     from tactile.materials.plot import draw_confusion, draw_figures
 
     draw_figures(table, title, folder / "figures.png")

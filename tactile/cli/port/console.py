@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from cnnsim.start import end_at_once, raise_again
 from cnnsim.support import InputError
 from cnnsim.support.terminal import console as screen
-from cnnsim.support.terminal import echo
+from cnnsim.support.terminal import echo, json_line
 
 if TYPE_CHECKING:
     from tactile.cli.port.live import LiveOptions
@@ -77,8 +77,6 @@ def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[
         if recording is not None:
             recording.close(summary)
         if as_json:
-            from tactile.cli.port.live import print_line  # imported when used
-
             print_line({"type": "end", **summary})
         else:
             times = "once" if unplugged == 1 else f"{unplugged} times"
@@ -134,13 +132,22 @@ def be_steady() -> None:
     gc.freeze()
 
 
+def print_line(line: dict[str, Any]) -> None:
+    """Print a line for other programs and flush it."""
+    sys.stdout.write(json_line(line) + "\n")
+    sys.stdout.flush()
+
+
+def tare_words(line: dict[str, Any]) -> str:
+    """Return a text on a change of the tare: reason, offset, and warnings."""
+    return f"{line['why']}: {line['detail']}" if line["detail"] else str(line["why"])
+
+
 def tell(line: dict[str, Any]) -> None:
     """Print an event, a tare or the output of a user's program as text."""
     if line["type"] == "program":
         echo(f"{line['t_s']:10.3f}  {line['finger']}  {line['program']}: {line['outputs']}")
     if line["type"] == "tare":
-        from tactile.cli.port.live import tare_words  # imported for tares only
-
         echo(f"{line['t_s']:10.3f}  {line['finger']}  tare {tare_words(line)}")
     if line["type"] == "event_end":
         length = line["end_s"] - line["t_s"]
@@ -160,6 +167,4 @@ def warn(text: str) -> None:
 
 def warn_json(text: str) -> None:
     """Print a warning about the port as JSON."""
-    from tactile.cli.port.live import print_line  # imported when used
-
     print_line({"type": "warning", "text": text})

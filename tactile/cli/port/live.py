@@ -1,7 +1,6 @@
 """The pipeline on a port or a recording of one: options, printed and recorded lines."""
 
 import json
-import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, fields
@@ -9,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from cnnsim import backends
 from cnnsim.support import InputError
-from cnnsim.support.terminal import json_line
 from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
 from tactile.calibration.live_tare import IDLE, TareNote
@@ -173,12 +171,6 @@ class LiveMonitor:
         pipeline.run(self._source, options.settings(self._source, options.skin), [self], fingers)
 
 
-def print_line(line: dict[str, Any]) -> None:
-    """Print a line for other programs and flush it."""
-    sys.stdout.write(json_line(line) + "\n")
-    sys.stdout.flush()
-
-
 def paced(
     chunks: Iterable[Chunk], speed: float, now: Callable[[], float], wait: Callable[[float], None]
 ) -> Iterator[Chunk]:
@@ -189,8 +181,3 @@ def paced(
         if pause > 0:
             wait(pause)
         yield chunk
-
-
-def tare_words(line: dict[str, Any]) -> str:
-    """Return a text on a change of the tare: reason, offset, and warnings."""
-    return f"{line['why']}: {line['detail']}" if line["detail"] else str(line["why"])

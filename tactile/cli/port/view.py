@@ -9,7 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from cnnsim.support.terminal import printable
-from tactile.cli.port.live import LiveMonitor, tare_words
+from tactile.cli.port.console import tare_words
+from tactile.cli.port.live import LiveMonitor
 from tactile.core.frame import NORMAL
 from tactile.pipeline import FrameReport
 from tactile.thresholds.threshold import CONTACT
