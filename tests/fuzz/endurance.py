@@ -33,7 +33,7 @@ def main() -> None:
 @click.option("--protocol", type=click.Choice(list(NAMES)), default="native")
 @click.option("--hz", type=float, default=1000.0)
 @click.option("--seconds", type=float, default=60.0)
-@click.option("--others", type=int, default=0, help="Processes that compute beside it.")
+@click.option("--others", type=int, default=0, help="Number of other busy processes.")
 @click.option("--record-only", is_flag=True, help="Without the pipeline.")
 @click.option("--fingers", type=click.IntRange(1), default=1, help="Arrays of 8 x 8, where the protocol has no own.")
 @click.option(

@@ -26,32 +26,33 @@ from tests.kits.wire import SHAPES, VARIANTS
 RATES = {"native": 1000, "csv": 1000, "papillarray": 1000, "reskin": 400, "lowiek": 200, "paxini-fast": 91}
 """Frames a second that the devices of a format send."""
 LIMITS = {
-    "native": "CRC-16: one damaged packet in 65 536; every loss is counted",
-    "csv": "without HH a changed digit is another number; columns tell a lost comma",
-    "csv, check": "8 bits: one damaged line in 256, and two faults of one bit's place",
-    "reskin": "no sum, no number: a changed number within 100 mT is one; losses cannot be counted",
-    "papillarray": "sum of 16 bits: changes that cancel; a leap of the number counts once the next frame confirms it",
-    "paxini-fast": "8 bits: one damaged packet in 256; losses cannot be counted",
-    "paxini-serial": "8 bits: one damaged packet in 256; losses cannot be counted",
-    "lowiek": "no sum, no number: a changed word is one; a first and a last word of AAAA cannot be told apart",
+    "native": "CRC-16: misses one damaged packet in 65 536; every loss is counted",
+    "csv": "without the checksum HH a changed digit is a valid number; a lost comma changes the number of columns",
+    "csv, check": "8-bit checksum: misses one damaged line in 256, and two faults at the same bit position",
+    "reskin": "no checksum, no counter: a changed number within 100 mT is a false frame; losses cannot be counted",
+    "papillarray": "16-bit sum: changes can cancel; a jump of the counter is accepted when the next frame confirms it",
+    "paxini-fast": "8-bit checksum: misses one damaged packet in 256; losses cannot be counted",
+    "paxini-serial": "8-bit checksum: misses one damaged packet in 256; losses cannot be counted",
+    "lowiek": "no checksum, no counter: a changed word is a false frame; a first and a last word of AAAA look the same",
 }
 
 ABOUT = {
     "False frames over a bad cable": f"""\
 The cable: each byte with probability {BYTE:g} is changed in one bit (half of the faults), lost (a quarter) or followed
 by one at random (a quarter); before each packet, with probability {BURST:g}, 1 to 40 bytes are lost. A frame is right
-if its values and its number are those that were sent, in their order, and false if they are not. Packets of small
-arrays; one of n times as many bytes is damaged about n times as often.""",
+if its values and its counter equal those sent, in the order sent; otherwise it is false. The packets are those of small
+arrays; a packet of n times as many bytes is damaged about n times as often.""",
     "Random bytes": "Noise at full rate, and streams of frames in which one byte in 500 is changed, lost or added.",
     "Broken files": """\
-Files that hypothesis cuts short and changes, and files that unpack to gigabytes, say huge sizes or nest deep, to each
-reader. A file fails the check by an exception, 5 s of the processor, a gigabyte of memory, or, of a recording with
-checksums (MCAP, NPZ), a frame that was not written. Other formats may return changed values.""",
+Each reader gets files truncated and changed by hypothesis, and files that unpack to gigabytes, declare huge sizes or
+have deep nesting. The check fails on an exception other than the reader's own error, 5 s of processor time, a gigabyte
+of memory, or, for recordings with checksums (MCAP, NPZ), a frame that was not written. Other formats may return changed
+values.""",
     "Frames held and lost": """\
-Through a pseudo-terminal, with the pipeline running and a recording written. A device that finds no room for a packet
-drops it; formats with numbers count that as missing.""",
-    "Kills": "The recorder is killed at random moments; what is on the disk then is compared with what was sent.",
-    "Unplugging": "The port is taken away and comes back.",
+Frames pass through a pseudo-terminal while the pipeline runs and writes a recording. If the buffer is full, the device
+drops a packet; formats with a counter report it as missing.""",
+    "Kills": "The recorder is killed at random times; the frames on the disk are compared with the frames sent.",
+    "Unplugging": "The port is removed and restored.",
 }
 
 
@@ -64,8 +65,8 @@ def run(*words: str, **environment: str) -> tuple[bool, str]:
 
 
 def rates(seconds: float) -> list[str]:
-    """Return the table of frames held and lost by format, alone and beside busy processes."""
-    lines = ["| format | frames/s sent | busy beside | frames read | lost, by the counters | latency 99 % | held |",
+    """Return the table of frames held and lost by format, with one and with four busy processes."""
+    lines = ["| format | frames/s sent | busy processes | frames read | lost, by the counters | latency 99 % | held |",
              "|---|---|---|---|---|---|---|"]  # fmt: skip
     for name, hz in watched(list(RATES.items()), "rates"):
         for others in (1, 4):
@@ -83,8 +84,8 @@ def rates(seconds: float) -> list[str]:
 
 def cable(packets: int) -> list[str]:
     """Return the table of false frames."""
-    lines = ["| format | packets | damaged | right frames | false frames | false a damaged packet | lost |"
-             " said to be lost | limit of the format |", "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
+    lines = ["| format | packets | damaged | right frames | false frames | false frames a damaged packet | lost |"
+             " lost, as counted | limit of the format |", "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
     for name, extra in watched(VARIANTS, "cable"):
         found = judge(name, extra, packets)
         chosen = [value for value in extra.values() if value not in (False, [])]
@@ -99,8 +100,8 @@ def cable(packets: int) -> list[str]:
 
 
 def random_bytes(count: int) -> list[str]:
-    """Return what random and heavily changed bytes came to."""
-    lines = ["| format | random bytes | false frames | of as many bytes, one in 500 changed: frames, wrong ones |",
+    """Return the table of frames decoded from random and from changed bytes."""
+    lines = ["| format | random bytes | false frames | as many bytes, one in 500 changed: frames, wrong frames |",
              "|---|---|---|---|"]  # fmt: skip
     for name in watched(list(SHAPES), "bytes"):
         good, said = run("tests.fuzz.endurance", "random", "--count", str(count), name)
@@ -113,7 +114,7 @@ def random_bytes(count: int) -> list[str]:
 
 
 def files(count: int) -> list[str]:
-    """Return what changed and hostile files came to."""
+    """Return the result of changed and hostile files."""
     environment = {"FUZZ_EXAMPLES": str(count)}
     good, said = run("pytest", "tests/fuzz/test_broken_files.py", "-q", "-k", "changed or hostile", **environment)
     hostile = sum(1 for _ in hostile_files())
@@ -122,19 +123,19 @@ def files(count: int) -> list[str]:
     return [f"failed: {line}" for line in said.splitlines() if line.startswith("FAILED")] or [last_line(said)]
 
 
-def told(kind: str, times: int) -> list[str]:
-    """Return what kills or unplugging came to."""
+def repeated(kind: str, times: int) -> list[str]:
+    """Return the result of kills or of unplugging."""
     good, said = run("tests.fuzz.endurance", kind, "--times", str(times))
     return [said.strip() if good else f"failed: {last_line(said)}"]
 
 
 def last_line(said: str) -> str:
-    """Return the last line of what a run said."""
+    """Return the last line of a run's output."""
     return (said.strip().splitlines() or ["nothing said"])[-1][:200].replace("|", "/")
 
 
 def machine() -> str:
-    """Return what the figures were taken on."""
+    """Return the description of the machine."""
     info = Path("/proc/cpuinfo")
     names = re.findall(r"model name\s*: (.*)", info.read_text(encoding="utf-8")) if info.exists() else []
     return f"{names[0] if names else platform.machine()}, {os.cpu_count()} cores, {platform.system()}, Python " + (
@@ -143,15 +144,15 @@ def machine() -> str:
 
 
 def section(title: str, make: Callable[[], list[str]]) -> str:
-    """Return a part of the page, with the load and the time that it took."""
+    """Return a section of the page, with the system load and the elapsed time."""
     begun, load = time.monotonic(), os.getloadavg()[0]
     lines = "\n".join(make())
-    took = f"Load {load:.1f} when it began; {(time.monotonic() - begun) / 60:.1f} minutes."
+    took = f"System load {load:.1f} at the start; {(time.monotonic() - begun) / 60:.1f} minutes."
     return (f"\n{ABOUT[title]}\n" if title in ABOUT else "") + f"\n{lines}\n\n{took}\n"
 
 
 def sections(page: str) -> dict[str, str]:
-    """Return the parts of a page by title, as they stand."""
+    """Return the sections of a page by title, unchanged."""
     found = re.split(r"^## (.*)\n", page, flags=re.MULTILINE)
     return {title: text.rstrip("\n") + "\n" for title, text in zip(found[1::2], found[2::2], strict=True)}
 
@@ -176,8 +177,8 @@ def main(
         "Random bytes": lambda: random_bytes(packets),
         "Broken files": lambda: files(count),
         "Frames held and lost": lambda: rates(seconds),
-        "Kills": lambda: told("kill", kills),
-        "Unplugging": lambda: told("unplug", unplugs),
+        "Kills": lambda: repeated("kill", kills),
+        "Unplugging": lambda: repeated("unplug", unplugs),
     }
     parts = sections(output.read_text(encoding="utf-8")) if only and output.exists() else {}
     for title, make in makers.items():

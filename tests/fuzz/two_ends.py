@@ -1,4 +1,4 @@
-"""The two ends of a long run: a device on a pseudo-terminal, a reader of it, and processes that compute beside them."""
+"""The two ends of a long run: a device on a pseudo-terminal, a reader of it, and other busy processes."""
 
 import os
 import signal
@@ -89,7 +89,7 @@ def processor_seconds(process: "subprocess.Popen[str]") -> float:
 
 @contextmanager
 def metronome(period: float = 0.005) -> "Iterator[Callable[[], float]]":
-    """Give the longest time [s] by which a thread above all others woke too late: a pause of the machine itself."""
+    """Yield the longest delay [s] of a timed thread of highest priority: the pauses of the machine."""
     latest, done = [0.0], threading.Event()
 
     def beat() -> None:

@@ -1,4 +1,4 @@
-"""Hard cases: one module a family, each case with why it is hard, the exact answer, a bound, and the naive form."""
+"""Hard cases: one module a family. A case has its difficulty, the exact answer, a bound, and the naive form."""
 
 from tests.hard_cases import grids, inputs, motion, templates, touch_inverse, touch_loads, touch_skin, touch_texture
 from tests.hard_cases.case import HardCase

@@ -16,13 +16,13 @@ from tests.hard_cases.case import HardCase
 _HEAD = """# Hard cases
 
 Rebuilt by `make hard-cases`, and run by the tests on every backend in float32 and float64. Each case has an answer in
-high precision or in closed form; the figures are the largest distances from it. The naive form is what one would write
-first: where the table says so it must fail, or the case would not be hard.
+high precision or in closed form; the figures are the largest distances from it. The naive form is the
+straightforward computation: where the table says "fails", it must exceed the bound.
 """
 
 
 def measured(case: HardCase, backend: Backend) -> str:
-    """Return how far ours is off, or what it is refused with."""
+    """Return the error of ``ours`` as text, or that it is refused."""
     try:
         found = case.ours(backend)
     except InputError as error:
@@ -32,7 +32,7 @@ def measured(case: HardCase, backend: Backend) -> str:
 
 
 def naive(case: HardCase) -> str:
-    """Return how far the naive form is off."""
+    """Return the error of the naive form as text."""
     if case.naive is None or case.exact is None:
         return ""
     with np.errstate(all="ignore"):

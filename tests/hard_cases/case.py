@@ -1,4 +1,4 @@
-"""A hard case: what is computed, the exact answer, how far it may be off, and what the naive form gives."""
+"""A hard case: the computation, the exact answer, the bound of the error, and the naive form."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ class HardCase:
     """One case of a family.
 
     ``ours`` computes on a backend, ``exact`` is the answer in high precision or in closed form; their largest
-    difference must be at most ``bound`` (``bound32`` in float32). ``naive`` is the form one would write first; where
-    ``naive_fails`` it must be off by more than the bound, else within it. ``refused``: part of the message instead.
-    ``again``: another run of ours, whose bytes must be the same, instead of an exact answer.
-    ``slow``: only the compiled loops of the cpu backend take less than seconds. ``page``: `make hard-cases` alone runs
-    it, for it takes longer than a test may.
+    difference must be at most ``bound`` (``bound32`` in float32). ``naive`` is the straightforward computation; with
+    ``naive_fails`` its error must exceed the bound, otherwise not. ``refused``: part of the message expected instead of
+    a result. ``again``: a second run that must give the same bytes, instead of an exact answer. ``slow``: only the
+    compiled loops of the cpu backend need less than seconds. ``page``: only `make hard-cases` runs it: it is too slow
+    for a test.
     """
 
     name: str
@@ -36,11 +36,11 @@ class HardCase:
     again: Compute | None = None
 
     def __post_init__(self) -> None:
-        if self.exact is not None:  # of one answer in high precision, which every backend is held to
+        if self.exact is not None:  # one answer in high precision for all backends
             object.__setattr__(self, "exact", cache(self.exact))
 
     def truth(self, backend: Backend) -> Array:
-        """Return what ours must be."""
+        """Return the expected answer of ``ours``."""
         if self.again is not None:
             return self.again(backend)
         assert self.exact is not None

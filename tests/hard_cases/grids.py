@@ -31,7 +31,8 @@ def _case(shape: tuple[int, int], boundary: Any) -> HardCase:
         return now
 
     return HardCase(
-        f"{shape[0]} x {shape[1]}, {boundary}", "all cells are edges, and a virtual cell may be the cell itself",
+        f"{shape[0]} x {shape[1]}, {boundary}",
+        "all cells are at the edge, and a virtual cell may repeat the cell itself",
         ours, lambda: exact(A, np.full(shape, 0.1), x, boundary, 2.0), 1e-8, 1e-8, naive,
     )  # fmt: skip
 

@@ -27,8 +27,8 @@ def _with(value: float) -> Array:
     return plane
 
 
-SPREAD = "it would spread over the grid, a cell a step"
-SIGN = "a sign of zero must not become a sign of an output"
+SPREAD = "it would spread over the grid by one cell a step"
+SIGN = "the sign of zero must not become the sign of an output"
 SMALL = "5e-324 is below float32's smallest number, and halves to 0"
 
 CASES = [

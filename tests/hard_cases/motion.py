@@ -1,4 +1,4 @@
-"""Hard motions: chaos, oscillations, a million steps of a turning mode, and the same bytes whatever runs beside."""
+"""Hard motions: chaos, oscillations, a million steps of a turning mode, and the same bytes in every run."""
 
 import subprocess
 import sys
@@ -16,7 +16,7 @@ from tests.hard_cases.dense_flow import dense_flow
 EDGE = fixed(0)
 TURN = np.array([[0, 0, 0], [-1.2, 2, 1.2], [0, 0, 0]])
 PAIR = np.array([[2, 1.2], [-1.2, 2]])
-"""The same as a matrix of two cells in a row."""
+"""TURN as the matrix of two cells in a row."""
 NINE = np.array([[0.1, 0.3, -0.2], [0.4, 1.5, 0.1], [-0.3, 0.2, 0.1]])
 
 
@@ -30,7 +30,7 @@ def _run(template: Any, x: Array, duration: float, **more: Any) -> Any:
 def _cycle(t: float) -> HardCase:
     x = np.array([[0.1, 0.0]])
     return HardCase(
-        f"limit cycle, t = {t:g}", "the two cells turn for ever: an error of the phase is never forgotten",
+        f"limit cycle, t = {t:g}", "the cycle does not damp phase errors, so they accumulate",
         _run(Template(TURN), x, t, boundary=EDGE, accuracy=1e-6),
         lambda: dense_flow(PAIR, np.zeros(2), x[0], t)[None], 1e-6, 1e-6,
         lambda: _euler_pair(x, t, 0.1),
@@ -45,7 +45,7 @@ def _euler_pair(x: Array, t: float, h: float) -> Array:
 
 
 CHAOS = np.array([[1.25, -3.2, -3.2], [-3.2, 1.1, -4.4], [-3.2, 4.4, 1.0]])
-"""Three cells of Zou and Nossek, IEEE Trans. CAS-I 40 (1993) 166: y = clip(x), no input; nearby starts part."""
+"""Three cells of Zou and Nossek, IEEE Trans. CAS-I 40 (1993) 166: y = clip(x), no input; chaotic."""
 
 
 def _chaos() -> HardCase:
@@ -56,7 +56,7 @@ def _chaos() -> HardCase:
     ]
     x, t = np.array([0.1, 0.1, 0.1]).reshape(3, 1, 1), 12.0
     return HardCase(
-        "chaos of three cells", "nearby starts part e-fold: each digit of the step is a digit of the answer",
+        "chaos of three cells", "nearby states diverge exponentially, so the error of each step grows",
         _run(LayeredTemplate(layers), x, t, boundary=EDGE, scheme="rk4", step=0.0005),
         lambda: _chaotic(x, t), 1e-5, 0.02,
         lambda: _euler_three(x, t, 0.1), page=True,
@@ -87,14 +87,14 @@ def _turning() -> HardCase:
             return np.array([[float(growth.real), float(growth.imag)]])
 
     return HardCase(
-        "10^6 steps of a turning mode", "nothing decays: whatever rounding adds in a step stays to the end",
+        "10^6 steps of a turning mode", "no mode decays: the rounding error of each step remains",
         _run(Template(A), x, h * steps, boundary=EDGE, scheme="rk4", step=h), turned, 1e-9, 0.02,
         lambda: _float32_turns(x, A, h, steps), slow=True,
     )  # fmt: skip
 
 
 def _float32_turns(x: Array, A: Array, h: float, steps: int) -> Array:
-    """Euler in float32, of a twentieth of the steps: it grows by (h / 4)^2 / 2 in each."""
+    """Euler in float32, with a twentieth of the steps: the amplitude grows by (h / 4)^2 / 2 in each."""
     a, b, rate = np.float32(x[0, 0]), np.float32(0), np.float32(A[1, 2] * h)
     for _ in range(steps // 20):
         a, b = a + rate * b, b - rate * a
@@ -119,7 +119,7 @@ def _threads(number: int) -> Any:
 
 
 def _elsewhere(backend: Backend) -> Array:
-    """The same transient in a process of its own, where everything is made anew."""
+    """The same transient in a new process."""
     code = (
         "import sys, numpy as np\n"
         "from cnnsim import Template, run_transient\n"
@@ -139,7 +139,7 @@ CASES = [
         _run(Template(NINE), _start(), 3.0), _run(Template(NINE), _start(), 3.0),
     ),
     _same(
-        "the same bytes by 1 and 2 threads", "threads share tiles out differently",
+        "the same bytes by 1 and 2 threads", "two threads process the tiles in another order",
         _threads(1), _threads(2), slow=True,
     ),
     _same(

@@ -62,7 +62,7 @@ def _decayed(h: float, factor: float) -> HardCase:
     board = np.where(np.indices((4, 4)).sum(0) % 2, -0.5, 0.5)
     scale = (1 - 2 * h) ** 40
     return HardCase(
-        f"step {factor} of the limit", "the fastest mode, a checkerboard, hardly decays by Euler, or would grow",
+        f"step {factor} of the limit", "Euler steps hardly damp the fastest mode, a checkerboard, or amplify it",
         _ours(Template(HEAT), board, 40 * h, scheme="euler", step=h, boundary=PERIODIC),
         None if factor > 1 else lambda: board * scale, 1e-13, 1e-5, refused="cannot be stable" if factor > 1 else "",
     )  # fmt: skip
@@ -84,7 +84,7 @@ def _spiral() -> HardCase:
     A = np.array([[0, 0, 0], [-1.2, 2, 1.2], [0, 0, 0]])
     x, t, edge = np.array([[0.1, 0.0]]), 25.0, fixed(0)
     return HardCase(
-        "oscillation", "two cells of opposite coupling turn for ever: errors of phase add up",
+        "oscillation", "two cells of opposite coupling oscillate without damping: phase errors accumulate",
         _ours(Template(A), x, t, boundary=edge, accuracy=1e-4), _truth(A, x, t, edge), 1e-4, 1e-3,
         lambda: _euler(np.pad(x, ((0, 0), (1, 1)))[:, 1:3], A, 0.1, 250),
     )  # fmt: skip
@@ -94,7 +94,7 @@ def _long() -> HardCase:
     """10^6 steps of heat that keeps its mean, in float64; float32 rounds the mean away by its own digits."""
     mean = np.full(START.shape, START.mean())
     return HardCase(
-        "10^6 steps", "rounding errors of a mode that does not decay, the mean, add up",
+        "10^6 steps", "rounding errors accumulate in the mean, a mode that does not decay",
         _ours(Template(HEAT), START, 1e5, boundary=PERIODIC, scheme="euler", step=0.1), lambda: mean, 1e-11, 1e-3,
         lambda: _euler(START, HEAT, 0.1, 5_000, np.float16).astype(float), slow=True,
     )  # fmt: skip
@@ -104,7 +104,7 @@ CASES = [
     _near_one(1 + 1e-7), _near_one(1 - 1e-7), _near_one(1.5), _gain(), _spiral(), _long(), _decayed(0.99, 0.99),
     _decayed(1.01, 1.01),
     HardCase(
-        "a start on the ridge", "x = 0 without a drive is at rest for ever, and any rounding would push it off",
+        "a start on the ridge", "x = 0 without a drive is an unstable rest: any rounding error would grow",
         _ours(Template(2 * CENTRE + 0.1 * CROSS), np.zeros((3, 4)), "settled", boundary=fixed(0)),
         lambda: np.zeros((3, 4)), 0.0, 0.0,
     ),

@@ -1,4 +1,4 @@
-"""Every hard case on every backend and dtype: within its bound or refused; the naive form fails where that is said."""
+"""Every hard case on every backend and dtype: within its bound or refused; the naive form fails if the case says so."""
 
 import numpy as np
 import pytest

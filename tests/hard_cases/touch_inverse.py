@@ -20,7 +20,7 @@ ROOT = float(np.sqrt(2))
 
 
 def signals(ratio: float) -> tuple[float, float]:
-    """(|(u_xz, u_yz)|, u_zz) of a load that presses 1 at rho / z, over 3 / (4 pi E z^2)."""
+    """(|(u_xz, u_yz)|, u_zz) of a normal force of 1 at rho / z, divided by 3 / (4 pi E z^2)."""
     import mpmath  # the ring is known to 1 ulp only with more digits
 
     with mpmath.workdps(40):
@@ -35,7 +35,7 @@ def on_backend(backend: Backend, kind: Any, felt: Any, *parameters: float) -> Ar
 
 
 def _strain(shear: float, normal: float, backend: Backend) -> Array:
-    """rho and force over what these signals, rounded to the dtype, mean exactly; 1 and 1 are right."""
+    """rho and force divided by the exact ones for these signals, rounded to the dtype; 1 and 1 are right."""
     kind = np.dtype(backend.dtype).type
     felt = kind(shear), kind(0), kind(normal)
     dx, _, force, _ = on_backend(backend, STRAIN_INVERSE, felt, 1.0, UNIT, 0.0, 1.0)
@@ -65,14 +65,14 @@ def _case(name: str, why: str, shear: float, normal: float, **more: Any) -> Hard
 
 
 def _naive_stress() -> Array:
-    """Eqs (10), (11) as they are: (rho / z)^2 = (s_xz^2 + s_yz^2) / s_zz^2 without a guard."""
+    """Eqs (10), (11) as printed: (rho / z)^2 = (s_xz^2 + s_yz^2) / s_zz^2 without a guard."""
     shear, normal = np.float64(1.0), np.float64(0.0)
     t = shear * shear / (normal * normal)
     return np.array([np.sqrt(t), 0.0, normal * (t + 1) ** 2.5, float(Validity.INVALID)])
 
 
 SQUARES = "squares of the signals leave the range of the numbers"
-SPREADS = "one broken wire must not spread into a program"
+SPREADS = "the value of a broken wire must not enter a program"
 INVALID, NO_LOAD = (0.0, 0.0, 0.0, float(Validity.INVALID)), (0.0, 0.0, 0.0, float(Validity.NO_LOAD))
 TINY = 5e-324
 
@@ -80,7 +80,7 @@ TINY = 5e-324
 def _same(
     name: str, why: str, kind: Any, felt: tuple[float, float, float], exact: tuple[float, ...], **more: Any
 ) -> HardCase:
-    """A case whose answer (dx, dy, force, validity) is known to the last bit."""
+    """A case whose answer (dx, dy, force, validity) is known exactly."""
     parameters = (1.0, UNIT, 0.0, 1.0) if kind is STRAIN_INVERSE else (1.0, 0.0)
     ours = partial(_answer, kind, felt, parameters)
     return HardCase(name, why, ours, lambda: np.array(exact), 0.0, 0.0, **more)
@@ -93,14 +93,17 @@ def _answer(kind: Any, felt: Any, parameters: tuple[float, ...], backend: Backen
 CASES = [
     _case("rho = 0", "the azimuth is 0/0", 0.0, -2.0, naive_fails=False),
     _case("rho = 1e-9 z", "2 - 12 / (sqrt(9 + 8 A^2) + 3) cancels", *signals(1e-9)),
-    _case("rho = 1e-4 z", "the same, half of the digits", *signals(1e-4)),
+    _case("rho = 1e-4 z", "the same, with half of the digits", *signals(1e-4)),
     *(
         _case(f"rho = sqrt(2) z{word}", "u_zz vanishes: F is 0/0", *signals(ratio))
         for word, ratio in ((" - 1 ulp", np.nextafter(ROOT, 0)), ("", ROOT), (" + 1 ulp", np.nextafter(ROOT, 2)))
     ),
     _case("u_zz exactly 0", "the ring itself: A is infinite", 0.5, 0.0),
     _case("rho = 1e6 z", "sqrt(9 + 8 A^2) - 3 cancels", *signals(1e6)),
-    _same("rho = 1e7 z", "beyond a million depths no place is known", STRAIN_INVERSE, (3e-7, 0.0, 1.0), INVALID),
+    _same(
+        "rho = 1e7 z", "a load farther than a million depths cannot be located", STRAIN_INVERSE,
+        (3e-7, 0.0, 1.0), INVALID,
+    ),
     *(
         HardCase(
             f"signals of {scale64:g} (float32: {scale32:g})", SQUARES, partial(_scaled, scale64, scale32), _ones,
@@ -108,15 +111,20 @@ CASES = [
         )
         for scale64, scale32 in ((1e-300, 1e-37), (1e300, 1e37))
     ),
-    _same("denormal signals", "their digits are gone: no load", STRAIN_INVERSE, (TINY, 0.0, -TINY), NO_LOAD),
+    _same(
+        "denormal signals", "denormal numbers have too few digits: no load is given", STRAIN_INVERSE,
+        (TINY, 0.0, -TINY), NO_LOAD,
+    ),
     *(
         _same(f"{value} in a signal of {name}", SPREADS, kind, (value, 0.0, -1.0), INVALID)
         for name, kind in (("strain", STRAIN_INVERSE), ("stress", STRESS_INVERSE))
         for value in (float("nan"), float("inf"), float("-inf"))
     ),
-    _same("-0.0 in all signals", "a sign of zero is no load", STRAIN_INVERSE, (-0.0, -0.0, -0.0), NO_LOAD),
     _same(
-        "stress, sigma_zz exactly 0", "rho = z hypot / 0: out of reach", STRESS_INVERSE, (1.0, 0.0, 0.0), INVALID,
-        naive=_naive_stress,
+        "-0.0 in all signals", "the sign of zero must not become a load", STRAIN_INVERSE, (-0.0, -0.0, -0.0), NO_LOAD,
+    ),
+    _same(
+        "stress, sigma_zz exactly 0", "rho = z hypot / 0: the load cannot be located", STRESS_INVERSE,
+        (1.0, 0.0, 0.0), INVALID, naive=_naive_stress,
     ),
 ]  # fmt: skip

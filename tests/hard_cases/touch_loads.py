@@ -32,7 +32,7 @@ def _case(
     name: str, why: str, at: Floats, load: Sequence[float], naive: Any, *, columns: Sequence[int] = range(5),
     strain: Any = None, **more: Any,
 ) -> HardCase:  # fmt: skip
-    """``naive`` takes places, signals and columns; ``strain``: signals in place of those of the load."""
+    """``naive`` takes places, signals and columns; ``strain``: signals instead of those of the load."""
     given = felt(at, [np.array(load)], False)
     exact, form = (np.array(load) / SCALE)[list(columns)], naive and partial(naive, at, given, columns)
     ours = partial(_first, at, given if strain is None else strain, columns)
@@ -40,7 +40,7 @@ def _case(
 
 
 def _cramer(at: Floats, strain: Floats, columns: Sequence[int]) -> Array:
-    """Places by each taxel's own answer, forces by Cramer's rule for three taxels, eq. (14)."""
+    """Places from each taxel's own answer, forces by Cramer's rule for three taxels, eq. (14)."""
     x, y, z = np.moveaxis(strain, -1, 0)
     dx, dy, force, _ = invert_strain(x, y, z, DEPTH, MODULUS, 0.0, 1)
     places = at.reshape(-1, 2)[:3] + np.stack([dx.ravel()[:3], dy.ravel()[:3]], axis=-1)
@@ -55,7 +55,7 @@ def _cramer(at: Floats, strain: Floats, columns: Sequence[int]) -> Array:
 
 
 def _pressing(at: Floats, strain: Floats, columns: Sequence[int]) -> Array:
-    """The strongest taxel's answer, taking for granted that the load presses."""
+    """The strongest taxel's answer under the assumption that the load presses."""
     x, y, z = np.moveaxis(strain, -1, 0)
     dx, dy, force, _ = invert_strain(x, y, z, DEPTH, MODULUS, 0.0, 1)
     best = np.unravel_index(np.abs(strain).max(axis=-1).argmax(), z.shape)
@@ -77,7 +77,7 @@ def _two(backend: Backend) -> Array:
 
 
 def _mean_of_two() -> Array:
-    """One load: the mean of what all taxels say, by their signals."""
+    """One load: the mean of the answers of all taxels, weighted by their signals."""
     x, y, z = np.moveaxis(felt(PAD, TWO, False), -1, 0)
     dx, dy, force, _ = invert_strain(x, y, z, DEPTH, MODULUS, 0.0, 1)
     weight = np.abs(z) / np.abs(z).sum()
@@ -104,20 +104,20 @@ TWO = np.array([
     [*(PAD[1, 1] + [2e-4, 1e-4]).tolist(), 0.02, 0.0, 0.3], [*(PAD[6, 6] - [1e-4, 3e-4]).tolist(), 0.0, 0.03, 0.2],
 ])  # fmt: skip
 ALONG = (0, 2, 4)
-NOT_THERE = "their mean is a load that is not there"
+NOT_THERE = "the mean of the taxels' answers is a load that does not exist"
 
 CASES = [
     _case("three taxels in a line", "the determinant of eq. (14) is 0", LINE, ON_LINE, _cramer, columns=ALONG),
     _case(
-        "three taxels, 1 nm off a line", "they tell the shear along the line no worse", BENT, ON_LINE, _cramer,
-        columns=ALONG, naive_fails=False,
+        "three taxels, 1 nm off a line", "the shear along the line is determined as well as on a line", BENT,
+        ON_LINE, _cramer, columns=ALONG, naive_fails=False,
     ),
     _case("a load right under a taxel", "that taxel's azimuth is 0/0", SQUARE, UNDER, _azimuth),
-    _case("a load that pulls", "azimuth and region swap", SQUARE, PULL, _pressing),
-    _case("shear that turns the sign", "some taxels feel a push, others a pull", SQUARE, TURNED, _pressing),
+    _case("a load that pulls", "azimuth and region are the reverse of those of a push", SQUARE, PULL, _pressing),
+    _case("shear that turns the sign", "some taxels measure a push, others a pull", SQUARE, TURNED, _pressing),
     HardCase("two loads at once", NOT_THERE, _two, lambda: TWO / SCALE, 1e-6, 5e-2, _mean_of_two),
     *(
-        _case(f"{value} in a taxel", "it must be left out, not spread", SQUARE, ABOVE, None, strain=_broken(value))
+        _case(f"{value} in a taxel", "it must be ignored and not spread", SQUARE, ABOVE, None, strain=_broken(value))
         for value in (float("nan"), float("inf"))
     ),
 ]  # fmt: skip

@@ -75,7 +75,7 @@ def _cancelled(tau: float) -> Array:
 
 
 def _slipped(_: Backend) -> Array:
-    """Grip, shear, lift off to exactly no force, shear without force, grip again: as if never touched."""
+    """Grip, shear, lift off to exactly no force, shear without force, grip again: nothing of the first may remain."""
     state = untouched(0.5)
     for normal, q in ((1.0, 0.2), (0.5, 0.1), (0.0, 0.0), (0.0, 0.3)):
         state = load_to(state, normal, np.array([q, 0.0]))
@@ -108,7 +108,7 @@ def _elements(law: Callable[[Medium], Any], _: Any = None) -> Array:
 
 
 WAVE = "exp(k z) and exp(-k z) in one equation: one overflows"
-PIVOTS = "solving with pivots is enough"
+PIVOTS = "pivoting is enough"
 
 
 def _prony(name: str, why: str, tau: float, bound: float, naive: Callable[[float], Array]) -> HardCase:
@@ -118,7 +118,7 @@ def _prony(name: str, why: str, tau: float, bound: float, naive: Callable[[float
 CASES = [
     _layers("a wave in a layer, k h = 1", "nothing: the naive form is right", (1.0, 0.5, 1.0, 0.3), naive_fails=False),
     _layers("thick, k h = 1000", WAVE, (1.0, 0.5, 1e3, 0.3)),
-    _layers("thin, k h = 1e-6", f"four waves nearly equal; {PIVOTS}", (1e-6, 0.5, 1.0, 0.3), naive_fails=False),
+    _layers("thin, k h = 1e-6", f"four nearly equal waves; {PIVOTS}", (1e-6, 0.5, 1.0, 0.3), naive_fails=False),
     _layers("taxels on the bottom", "depth = thickness", (2.0, 1.0, 1.0, 0.4), naive_fails=False),
     _layers("nu = 1/2", "1 / (1 - 2 nu) is infinite", (1.0, 0.5, 1.0, 0.5)),
     _layers(
@@ -128,7 +128,7 @@ CASES = [
     _prony("Prony time 1e-12 of the frames'", "explicit steps are unstable", 1e-12 * DT, 1e-14, _euler),
     _prony("Prony time 1e12 of the frames'", "1 - exp(-dt / tau) cancels", 1e12 * DT, 1e-13, _cancelled),
     HardCase(
-        "stick-slip at zero normal force", "the sticking share is 0/0, and nothing may be remembered", _slipped,
+        "stick-slip at zero normal force", "the sticking share is 0/0, and no earlier state may remain", _slipped,
         lambda: np.array([0, 0, 0.3, 0, 0.0]), 1e-15, 1e-15, _mindlin,
     ),
     HardCase(

@@ -1,4 +1,4 @@
-"""Hard cases of the running texture figures: 10^8 frames, a burst, against a window that starts afresh."""
+"""Hard cases of the running texture figures: 10^8 frames, a burst, against a new sum of each window."""
 
 from functools import cache, partial
 
@@ -15,7 +15,7 @@ WINDOW = 128
 
 @kept_njit()
 def _sample(n):  # type: ignore[no-untyped-def]  # numba types it at the call
-    """A friction coefficient near 1000 that changes in its last digits, and a burst of 1e6 times that now and then."""
+    """A friction coefficient near 1000 that changes in its last digits, and occasional bursts of 1e6 times that."""
     h = (n * 2654435761) & 0xFFFFFFFF
     h = ((h ^ (h >> 15)) * 2246822519) & 0xFFFFFFFF
     value = 1000.0 + (h >> 8) / 16777216.0
@@ -24,7 +24,7 @@ def _sample(n):  # type: ignore[no-untyped-def]  # numba types it at the call
 
 @kept_njit()
 def _running(count, window):  # type: ignore[no-untyped-def]
-    """Friction and roughness after so many frames of one taxel, and those of sums that are added to and taken from."""
+    """Friction and roughness after ``count`` frames of one taxel, and those from running sums."""
     streak, block = np.zeros((1, 1), np.int64), np.zeros((window, 1, 1))
     tails, grown, figures = np.zeros((window + 1, 2, 1, 1)), np.zeros((2, 1, 1)), np.zeros((2, 1, 1))
     values, held = np.zeros((1, 1, 3)), np.zeros(window)
@@ -46,7 +46,7 @@ def _running(count, window):  # type: ignore[no-untyped-def]
 
 @cache
 def _figures(count: int) -> Floats:
-    """The same, once for ours and the naive form."""
+    """The same, cached for ours and the naive form."""
     return np.array(_running(count, WINDOW))
 
 
@@ -68,7 +68,7 @@ def _naive(count: int) -> Array:
 
 
 def _case(count: int, words: str, page: bool) -> HardCase:
-    why = "sums that are added to and taken from keep the rounding of all frames, and of every burst"
+    why = "running sums accumulate the rounding errors of all frames and of every burst"
     return HardCase(
         words, why, partial(_ours, count), lambda: np.ones(2), 1e-12, 1e-12, partial(_naive, count), page=page
     )
