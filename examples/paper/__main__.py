@@ -1,5 +1,6 @@
-"""All figures of the paper in one table: ``python -m examples.paper [-o FOLDER] [--json]``."""
+"""Figures of the paper in one table: ``python -m examples.paper [NUMBER ...] [-o FOLDER] [--json]``."""
 
+import argparse
 import importlib
 import sys
 from collections.abc import Callable
@@ -12,10 +13,14 @@ SCRIPTS = sorted(path.stem for path in Path(__file__).parent.glob("fig[0-9][0-9]
 
 
 def main() -> None:
-    """Run every script that is there."""
-    given = arguments(__doc__)
+    """Run the scripts of the given figures, or all."""
+    parser, numbers = argparse.ArgumentParser(description=__doc__), [int(name[3:5]) for name in SCRIPTS]
+    parser.add_argument("figure", type=int, nargs="*", help=f"number of a figure: {numbers}; default: all")
+    given = arguments(parser)
+    if unknown := {*given.figure} - {*numbers}:
+        parser.error(f"no figure {min(unknown)}; one of {numbers} expected")
     claims: list[Claim] = []
-    for name in watched(SCRIPTS, "figures"):
+    for name in watched([name for name in SCRIPTS if int(name[3:5]) in (given.figure or numbers)], "figures"):
         try:
             compare: Callable[[Path | None], list[Claim]] = importlib.import_module(f"examples.paper.{name}").compare
         except SystemExit as missing:

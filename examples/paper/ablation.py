@@ -1,17 +1,16 @@
 """Ablation study: which errors of sect. 4.1 reproduce which of the paper's findings, one at a time and together.
 
 ``python -m examples.paper.ablation [-o FOLDER] [--json]``. The paper found beta_ns = 1.46, a precision of 3-5 um within
-150 um, a speed of 0.45 instead of 0.5 mm/s that a slightly thicker cover mends, and far away a map as if beta_ns were
-underestimated. All sensors here have equal gains: beta_ns = 1 is true.
+150 um, a speed of 0.45 instead of 0.5 mm/s that a slightly thicker cover corrects, and far away a map like that of an
+underestimated beta_ns. All sensors here have equal gains: beta_ns = 1 is true.
 """
 
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from examples.paper.claims import study
-from examples.paper.needle import FORCE, NEAR, figure
+from examples.paper.drawing import figure, plot_map, save
+from examples.paper.needle import FORCE, NEAR
 from examples.paper.skins import SKINS, Skin, Trial, on_the_bench
 
 HEADINGS = "skin", "beta_ns", "speed", "thicker", "error", "mended", "needed", "bend", "force", "brings back"
@@ -19,7 +18,7 @@ HEADINGS = "skin", "beta_ns", "speed", "thicker", "error", "mended", "needed", "
 
 @dataclass(frozen=True)
 class Line:
-    """One line of the table: lengths in um, speed in mm/s, ``force`` located over true; see ``Trial``."""
+    """One line of the table: lengths in um, speed in mm/s, ``force`` located over true; see `Trial`."""
 
     skin: str
     beta: float
@@ -34,7 +33,7 @@ class Line:
 
 
 def line(skin: Skin, trial: Trial) -> Line:
-    """Return the figures of a trial, and which of the paper's findings it reproduces."""
+    """Return the results of a trial, and the paper's findings that it reproduces."""
     error, mended = (located.error(trial.made) * 1e6 for located in (trial.located, trial.mended))
     force = float(trial.located.force[trial.made.within(NEAR)].mean() / FORCE)
     found = {
@@ -63,17 +62,9 @@ def draw(trials: list[tuple[Skin, Trial]], path: Path) -> None:
     for axes in panels.flat[len(trials) :]:
         axes.axis("off")
     for axes, (skin, trial) in zip(panels.flat, trials, strict=False):
-        for true, found in zip(trial.made.places, trial.located.places, strict=True):
-            axes.plot(*(true.T * 1e6), color="0.85", linewidth=0.8)
-            axes.plot(*(found.T * 1e6), color="tab:red", linewidth=0.7)
-        turn = np.linspace(0, 2 * np.pi, 100)
-        axes.plot(150 * np.cos(turn), 150 * np.sin(turn), color="black", linewidth=0.6)
-        axes.set(aspect="equal", xlim=(-330, 330), ylim=(330, -330), xticks=[], yticks=[])
+        plot_map(axes, trial, "0.85", "tab:red", xticks=[], yticks=[])
         axes.set_title(f"{skin.name}\n{trial.beta:.2f}, {trial.speed * 1e3:.2f} mm/s", fontsize=9)
-    drawn.suptitle(
-        "Lines over one taxel (grey) and where it locates them (red); beta_ns by eq. (18), speed; circle: 150 µm"
-    )
-    drawn.savefig(path, dpi=110)
+    save(drawn, path, "True lines (grey) and located ones (red); beta_ns by eq. (18), speed; circle: 150 µm")
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Calibration study: error before and after each calibration that the paper suggests and does without.
+"""Calibration study: error before and after each calibration that the paper suggests but does not carry out.
 
 ``python -m examples.paper.calibration_gains [-o FOLDER] [--json]``. A sensor of beta_ns = 1.46 and 0.8 of its nominal
 gain is calibrated in one scan and tried in another, along other lines. Steps, each on top of those before: beta_ns by
@@ -12,8 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
+from cnnsim.support import Flags
 from examples.paper.claims import study
-from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, figure, locate, scan, typical
+from examples.paper.drawing import figure, plot_curves, save
+from examples.paper.needle import DEPTH, FORCE, NEAR, NOISE, SPEED, Located, Scan, locate, scan, typical
 from examples.paper.skins import ALL, LINES, POINT, STRESS, Skin
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import radial_from_scan
@@ -22,7 +24,7 @@ from tactile.inverse.validity import Validity
 
 SENSOR = Gains(shear=1.46 / 0.8, normal=1 / 0.8)
 FAR, RINGS, TRIED = 250e-6, 10, 230e-6
-"""[m] How far the radial correction is measured, in how many rings, and how far it is tried."""
+"""Radius [m] and number of rings of the radial correction, and radius [m] of the trial."""
 STEPS = ("nominal", "beta_ns", "thickness", "load", "radial")
 SKINS = (
     Skin("ideal", ()),
@@ -39,8 +41,11 @@ SKINS = (
 
 @dataclass(frozen=True)
 class Gain:
-    """After one step: rms error of places [um] within 150 and 230 um, of forces [1] within 230 um; ``lost``
-    answers beyond what the radial correction measured."""
+    """Result of one step: rms errors of places [um] within 150 and 230 um and of forces [1] within 230 um.
+
+    ``lost``: answers within 230 um that the radial correction refuses since they are located beyond its last ring;
+    ``lost_inside``: those of them that truly lie within the second to last ring.
+    """
 
     skin: str
     step: str
@@ -48,23 +53,24 @@ class Gain:
     far: float
     force: float
     lost: int
+    lost_inside: int
 
 
-def error(step: str, skin: str, made: Scan, found: Located, answered: np.ndarray) -> Gain:
-    """Put a located scan into figures."""
+def error(step: str, skin: str, made: Scan, found: Located, answered: Flags, inside: float = TRIED) -> Gain:
+    """Return the errors of a located scan."""
     off = np.hypot(*np.moveaxis(found.places - made.places, -1, 0)) * 1e6
     near, far = (made.within(radius) & answered for radius in (NEAR, TRIED))
     force = found.force[far] / FORCE - 1
-    lost = int((made.within(TRIED) & ~answered).sum())
+    lost, lost_inside = (int((made.within(radius) & ~answered).sum()) for radius in (TRIED, inside))
     in_near, in_far, of_force = (float(np.sqrt((part**2).mean())) for part in (off[near], off[far], force))
-    return Gain(skin, step, in_near, in_far, of_force, lost)
+    return Gain(skin, step, in_near, in_far, of_force, lost, lost_inside)
 
 
 def calibrated(skin: Skin) -> list[Gain]:
     """Calibrate a skin step by step in one scan, and try every step in another."""
-    centre = scan(effects=skin.effects, feels=skin.feels, gains=SENSOR, half=500e-6).readings[0]
-    known = scan(LINES, skin.effects, feels=skin.feels, gains=SENSOR, seed=1)
-    tried = scan(LINES[:-1] + 27e-6, skin.effects, feels=skin.feels, gains=SENSOR, seed=2)
+    centre = scan(effects=skin.effects, quantity=skin.quantity, gains=SENSOR, half=500e-6).readings[0]
+    known = scan(LINES, skin.effects, quantity=skin.quantity, gains=SENSOR, seed=1)
+    tried = scan(LINES[:-1] + 27e-6, skin.effects, quantity=skin.quantity, gains=SENSOR, seed=2)
     everywhere = np.ones(tried.times.shape, bool)
     near, far = known.within(NEAR), known.within(FAR)
 
@@ -83,7 +89,7 @@ def calibrated(skin: Skin) -> list[Gain]:
     x, y = np.moveaxis(before.places, -1, 0)
     dx, dy, force, validity = radial((x, y, before.force, np.full(x.shape, float(Validity.INSIDE))))
     corrected = Located(np.stack([dx, dy], axis=-1), force)
-    steps.append(error("radial", skin.name, tried, corrected, validity != Validity.INVALID))
+    steps.append(error("radial", skin.name, tried, corrected, validity != Validity.INVALID, radial.true[-2]))
     return steps
 
 
@@ -95,19 +101,17 @@ def cells(gains: list[Gain]) -> list[str]:
 
 
 def draw(gains: list[Gain], path: Path) -> None:
-    """Write the picture: errors of every skin after every step."""
+    """Write the figure: errors of every skin after every step."""
     drawn, (panels,) = figure(3, size=(4.6, 4.4))
     what = (("near", "places within 150 µm [µm]"), ("far", "places within 230 µm [µm]"), ("force", "forces [1]"))
+    names = dict.fromkeys(gain.skin for gain in gains if gain.skin != "ideal")
     for axes, (name, label) in zip(panels, what, strict=True):
-        for skin in dict.fromkeys(gain.skin for gain in gains if gain.skin != "ideal"):
-            values = [getattr(gain, name) for gain in gains if gain.skin == skin]
-            axes.plot(STEPS, values, "o-", label=skin, markersize=4)
-        axes.set(yscale="log", ylabel=f"rms error of {label}")
+        values = [[getattr(gain, name) for gain in gains if gain.skin == skin] for skin in names]
+        curves = [(STEPS, one, "o-", f"C{n}", skin) for n, (one, skin) in enumerate(zip(values, names, strict=True))]
+        plot_curves(axes, curves, yscale="log", ylabel=f"rms error of {label}")
     panels[0].axhspan(3, 5, color="0.9", zorder=0)
     panels[0].set_title("grey: the paper's 3-5 µm", fontsize=10)
-    panels[2].legend(fontsize=8)
-    drawn.suptitle("Every step on top of those before; the ideal skin is exact after beta_ns and load")
-    drawn.savefig(path, dpi=110)
+    save(drawn, path, "Errors after each step; the ideal skin is exact after beta_ns and load")
 
 
 def main() -> None:

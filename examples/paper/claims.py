@@ -1,11 +1,11 @@
-"""Claims of the paper next to the computed values: one line a claim, one table for one script or for all.
+"""Claims of the paper next to the computed values: one line a claim, in one table.
 
-A script ``figNN_name.py`` has ``compare(folder)``, which returns its claims and draws its picture into the folder
-if one is given. ``alone(compare)`` runs one script.
+A script ``figNN_name.py`` has ``compare(folder)``, which returns its claims and draws its figure into the folder if one
+is given.
 """
 
 import argparse
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -46,10 +46,9 @@ def as_json(claims: Iterable[Claim]) -> None:
     print_json([asdict(claim) | {"agrees": bool(claim.agrees)} for claim in claims])  # NumPy's bool is not JSON
 
 
-def arguments(what: str | None) -> argparse.Namespace:
-    """Read ``-o FOLDER`` (made if it is not there; None without it) and ``--json``."""
-    parser = argparse.ArgumentParser(description=what)
-    parser.add_argument("-o", "--output", type=Path, help="folder for the pictures")
+def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
+    """Parse the parser's own arguments, ``-o FOLDER`` (created if missing; None by default) and ``--json``."""
+    parser.add_argument("-o", "--output", type=Path, help="folder for the figures")
     parser.add_argument("--json", action="store_true", help="print JSON for a machine to read")
     given = parser.parse_args()
     if given.output is not None:
@@ -57,19 +56,12 @@ def arguments(what: str | None) -> argparse.Namespace:
     return given
 
 
-def alone(compare: Callable[[Path | None], list[Claim]]) -> None:
-    """Run one script: its table, and its picture if a folder is given."""
-    given = arguments(compare.__doc__)
-    claims = compare(given.output)
-    (as_json if given.json else table)(claims)
-
-
 def study(what: str | None, rows: list[Any], cells: Iterable[list[str]], headings: Iterable[str]) -> Path | None:
-    """Print the rows of a study, as JSON or as a table of ``cells``; return the folder for its picture, or None."""
+    """Print the rows of a study, as JSON or as a table of ``cells``; return the folder for its figure, or None."""
     from rich import box  # only for people
     from rich.table import Table  # the same
 
-    given = arguments(what)
+    given = arguments(argparse.ArgumentParser(description=what))
     if given.json:
         print_json([vars(row) for row in rows])
     else:

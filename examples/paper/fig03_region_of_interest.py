@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from examples.paper.claims import Claim, alone
-from examples.paper.needle import DEPTH, FORCE, MODULUS, figure
+from examples.paper.claims import Claim
+from examples.paper.drawing import figure, save
+from examples.paper.needle import DEPTH, FORCE, MODULUS
 from tactile.elastic.halfspace import point_load_strain
 
 
@@ -27,17 +28,17 @@ def compare(folder: Path | None) -> list[Claim]:
     return [
         Claim("3", "u_zz < 0 within a radius of", "sqrt(2) z", f"{turns[0]:.6f} z",
               abs(turns[0] - np.sqrt(2)) < 1e-9, "eq. (1)"),
-        Claim("3", "inside, the signal stands out of the noise; beyond, u_zz is at most", "(poorly measurable)",
+        Claim("3", "inside, the signal exceeds the noise; outside, u_zz is at most", "(poorly measurable)",
               f"{share:.1%} of the peak, at {float(beyond.x) / DEPTH:.2f} z", share < 0.05,
-              "u_xz still is 3 times that there: the inverse goes on, with less to go by"),
+              "u_xz is 3 times as large there: the inverse still works, with more noise"),
         Claim("3", "a cover twice as thick: radius, and strain under the same load", "larger; less",
               f"{2 * turns[1] / turns[0]:.3f} x; {thick:.3f} x", turns[1] / turns[0] > 0.5 and thick < 1,
-              "the radius goes with z, the strain with 1 / z^2"),
+              "the radius is proportional to z, the strain to 1 / z^2"),
     ]  # fmt: skip
 
 
 def draw(path: Path) -> None:
-    """Write the picture."""
+    """Write the figure."""
     side = np.linspace(-3, 3, 241) * DEPTH
     at = np.stack(np.meshgrid(side, side), axis=-1)
     u = point_load_strain(at, DEPTH, [(0, 0, 0, 0, FORCE)], MODULUS)[..., 2]
@@ -51,8 +52,4 @@ def draw(path: Path) -> None:
     for sign in (-1, 1):
         line.axvline(sign * np.sqrt(2) * DEPTH * 1e6, color="tab:red", linewidth=0.8)
     line.set(title="along y = 0; red: sqrt(2) z", xlabel="x [µm]", ylabel="u_zz [‰]")
-    drawn.savefig(path, dpi=110)
-
-
-if __name__ == "__main__":
-    alone(compare)
+    save(drawn, path)

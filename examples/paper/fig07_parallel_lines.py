@@ -1,24 +1,13 @@
-"""Fig. 7: a needle drawn along parallel lines over one taxel, and where the inverse puts it."""
+"""Fig. 7: a needle drawn along parallel lines over one taxel, and its located places."""
 
 from pathlib import Path
 
 import numpy as np
 
-from examples.paper.claims import Claim, alone
-from examples.paper.needle import DEPTH, FORCE, FULL_SCALE, HALF, NEAR, NOISE, figure, locate, scan, typical
-from examples.paper.skins import (
-    ALL,
-    FEELS,
-    LINES,
-    POINT,
-    THICK,
-    Skin,
-    Trial,
-    betas,
-    covered,
-    on_the_bench,
-    spoken,
-)
+from examples.paper.claims import Claim
+from examples.paper.drawing import figure, plot_map, save
+from examples.paper.needle import DEPTH, FORCE, FULL_SCALE, HALF, NEAR, NOISE, locate, scan, typical
+from examples.paper.skins import ALL, LINES, POINT, THICK, Skin, Trial, betas, on_the_bench, under_covers
 from tactile.calibration.gains import Gains
 
 NOISY = Skin("noise alone", typical(*NOISE))
@@ -26,18 +15,18 @@ PRECISION = (3e-6, 5e-6)
 """[m] The paper's precision within 150 um."""
 
 
-def way(trial: Trial) -> str:
-    """How straight lines bend in the corners."""
+def bending(trial: Trial) -> str:
+    """Return the direction in which straight lines bend in the corners."""
     return "outwards" if trial.bend > 1 else "inwards"
 
 
 def fits(error: float) -> bool:
-    """Whether an error [m] is the paper's precision or better."""
+    """Return whether an error [m] is the paper's precision or better."""
     return error <= PRECISION[1]
 
 
 def compare(folder: Path | None) -> list[Claim]:
-    """Fig. 7: precision near the taxel, and what becomes of the map far from it."""
+    """Fig. 7: precision near the taxel, and distortion of the map far from it."""
     noise, point, whole = (on_the_bench(skin) for skin in (NOISY, POINT, ALL))
     sensor = Gains(1.46, 1.0)
     exact = scan(LINES, gains=sensor)
@@ -51,60 +40,47 @@ def compare(folder: Path | None) -> list[Claim]:
               fits(noise.located.error(noise.made)),
               f"or finer; typical noise: 1 um sideways, 0.5 um up and down, 1e-3 of {FULL_SCALE} strain in the "
               "electronics, for which the paper gives no figures"),
-        Claim("7", "the same, sect. 4.1 but for the taxel's area, cover 2 z: as it is, then with the linear constant",
+        Claim("7", "the same, sect. 4.1 except the taxel's area, cover 2 z: before and after the linear constant",
               "3-5 um",
               f"{point.located.error(point.made) * um:.1f} um, then {point.mended.error(point.made) * um:.1f} um",
               fits(point.mended.error(point.made)),
-              "a speed of 0.45 instead of 0.5 alone puts the needle 15 um wrong at 150 um: the paper's 3-5 um hold "
-              "with the constant, or as scatter"),
+              "a speed of 0.45 instead of 0.5 alone is an error of 15 um at 150 um: the paper's 3-5 um must be after "
+              "the constant, or scatter"),
         Claim("7", "the same, all of sect. 4.1 with a taxel 300 um wide", "3-5 um",
               f"{whole.located.error(whole.made) * um:.0f} um, then {whole.mended.error(whole.made) * um:.0f} um",
               fits(whole.mended.error(whole.made)),
-              f"a mean over 300 um at {DEPTH * um:g} um depth flattens the signal; the paper's taxel cannot feel "
-              "over all of its width"),
+              f"a mean over 300 um at {DEPTH * um:g} um depth flattens the signal; the paper's taxel cannot be "
+              "sensitive over its whole width"),
         *(
-            Claim("7", f"the same with a taxel that feels {feels}, covers {spoken(THICK)} z thick, with the constant",
+            Claim("7", f"the same, a taxel that measures {quantity}, covers {THICK} z thick, with the constant",
                   "3-5 um", ", ".join(f"{trial.mended.error(trial.made) * um:.1f}" for trial in under) + " um",
                   fits(under[0].mended.error(under[0].made)),
-                  f"the paper's taxels lie at the cover's bottom, 1 z: that is what is judged; beta_ns by eq. (18) "
+                  f"the verdict is for the cover's bottom, 1 z, where the paper's taxels are; beta_ns by eq. (18) "
                   f"{betas(under)}")
-            for feels, under in ((feels, [on_the_bench(covered(times, feels)) for times in THICK]) for feels in FEELS)
+            for quantity, under in under_covers()
         ),
-        Claim("7", "1.5 in place of the measured 1.46 costs, within 150 um", "(feasible)", f"{rounded * um:.1f} um",
+        Claim("7", "error of 1.5 instead of the measured 1.46, within 150 um", "(feasible)", f"{rounded * um:.1f} um",
               fits(rounded)),
-        Claim("7", "far away (200-250 um) the map looks as if beta_ns were underestimated, by", "it does",
-              f"{point.needed:.2f} x, lines bend {way(point)}; with the taxel's area "
-              f"{whole.needed:.2f} x, {way(whole)}",
+        Claim("7", "far away (200-250 um) the map corresponds to an underestimated beta_ns, by", "yes",
+              f"{point.needed:.2f} x, lines bend {bending(point)}; with the taxel's area "
+              f"{whole.needed:.2f} x, {bending(whole)}",
               all(trial.needed > 1.05 and trial.bend > 1 for trial in (point, whole)),
-              "tip, thickness, area and high strain each do it; noise does not, and a taxel that feels stress bends "
+              "tip, thickness, area and high strain each cause it; noise does not; a taxel that measures stress bends "
               "the lines inwards: see the ablation"),
         Claim("7", "amplitudes within 150 um are reliable", "yes",
               f"{share.mean():.2f} +- {share.std():.2f} of the load",
               float(share.std() / share.mean()) < 0.1,
-              "even; their level waits for the absolute coefficients, for which the paper's gauge was too poor"),
+              "uniform; their level needs the absolute coefficients, for which the paper's gauge was too inaccurate"),
     ]  # fmt: skip
 
 
 def draw(trials: tuple[Trial, ...], path: Path) -> None:
-    """Write the picture."""
-    titles = (NOISY.name, POINT.name, ALL.name)
+    """Write the figure."""
     drawn, (panels,) = figure(3, size=(4.3, 4.4))
-    for axes, trial, title in zip(panels, trials, titles, strict=True):
-        for line, found in zip(trial.made.places, trial.located.places, strict=True):
-            axes.plot(*(line.T * 1e6), color="#f0c040", linewidth=2.4)
-            axes.plot(*(found.T * 1e6), color="0.2", linewidth=0.6)
-        x, y = trial.located.places.reshape(-1, 2).T * 1e6
+    for axes, trial, skin in zip(panels, trials, (NOISY, POINT, ALL), strict=True):
+        plot_map(axes, trial, "#f0c040", "0.2", title=skin.name, xlabel="x [µm]", ylabel="y [µm]")
         force = trial.located.force.ravel() * 1e3
+        x, y = trial.located.places.reshape(-1, 2).T * 1e6
         points = axes.scatter(x, y, s=np.clip(force, 0, 60), c=force, vmin=5, vmax=35, cmap="coolwarm", linewidth=0)
-        turn = np.linspace(0, 2 * np.pi, 100)
-        axes.plot(150 * np.cos(turn), 150 * np.sin(turn), color="black", linewidth=0.8)
-        axes.set(title=title, aspect="equal", xlim=(-330, 330), ylim=(330, -330), xlabel="x [µm]")
-    panels[0].set_ylabel("y [µm]")
     drawn.colorbar(points, ax=panels, label="located force [mN], true: 20 mN")
-    lines = f"its lines to ±{HALF * 1e6:g} µm (yellow)"
-    drawn.suptitle(f"Where one taxel locates the needle (black) on {lines}; circle: 150 µm")
-    drawn.savefig(path, dpi=110)
-
-
-if __name__ == "__main__":
-    alone(compare)
+    save(drawn, path, f"Lines of the needle to ±{HALF * 1e6:g} µm (yellow) and their located places; circle: 150 µm")

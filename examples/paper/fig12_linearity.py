@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from cnnsim.support import Floats
 from examples.paper.bump import CONTACT, CONTACTS, FINENESS, RUBBER, SENSOR, below, loaded
-from examples.paper.claims import Claim, alone
-from examples.paper.needle import figure
+from examples.paper.claims import Claim
+from examples.paper.drawing import figure, plot_curves, save
 from tactile.bump.body import Body
 from tactile.bump.finite import push_to
 from tactile.bump.kinematics import HALF, PLANE
@@ -22,11 +23,11 @@ from tactile.bump.touch import lower
 
 STEPS = np.arange(10e-6, 101e-6, 10e-6)
 DEEPEST = 80e-6
-"""[m] Glued to the plate, a top 100 um to each side folds over at its edge beyond 90 um."""
+"""[m] Largest indentation: a top glued over 100 um to each side folds at its edge beyond 90 um."""
 MESHES = (0.875, 1.0, 1.125, 1.25)
-"""Fineness, over that of the other figures, of the meshes that tell how far a ratio depends on the mesh."""
+"""Fineness of the meshes for the mesh error of a ratio, over that of the other figures."""
 STRAIGHT = 0.1
-"""Largest departure from the line through the small-strain answer that still counts as close to linear."""
+"""Largest relative deviation from the small-strain line that counts as close to linear."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Curve:
     response: Floats
 
     def bend(self, component: int) -> float:
-        """Largest relative change of the response per displacement from the first point's."""
+        """Return the largest relative change of the response per displacement, from the first point's."""
         slope = self.response[:, component] / self.moved
         return float(np.abs(slope / slope[0] - 1).max())
 
@@ -52,14 +53,14 @@ class Ratio:
 
 
 def shear_over_normal(contact: float, fineness: float, depth: float = SENSOR) -> float:
-    """Shear over normal strain, under a top of this half-width [m] glued to the plate: no pole where shear is zero."""
+    """Return shear over normal strain, under a top of this half-width [m] glued to the plate."""
     (pressed,), (shifted,) = loaded(contact, fineness=fineness).strain(below(depth))
     return float(shifted[0] / pressed[1])
 
 
 @cache
 def strain_ratio(contact: float) -> Ratio:
-    """The mean over meshes, and how far apart they lie: all finer ones were found nearer to the mean than that."""
+    """Return the mean over the meshes, with their range as the mesh error: it bounds that of all finer ones."""
     found = np.array([shear_over_normal(contact, FINENESS * finer) for finer in MESHES])
     above, under = (shear_over_normal(contact, FINENESS, SENSOR + step) for step in (-1e-6, 1e-6))
     return Ratio(1 / found.mean(), np.ptp(found) / abs(found.mean()), abs(under - above) / 2 / abs(found.mean()))
@@ -67,7 +68,7 @@ def strain_ratio(contact: float) -> Ratio:
 
 @cache
 def curves() -> tuple[Curve, Curve, Curve, Curve]:
-    """At finite strain: glued press, glued shift, growing contact; and the growing contact at small strain."""
+    """Return the glued press, the glued shift and the growing contact at finite strain; the last at small strain."""
     shape = Shape(contact=CONTACT)
     glued = Body(whole_section(shape, 0.7), PLANE, PlaneStress(RUBBER))
     at = Probe(glued, below(SENSOR))
@@ -87,7 +88,7 @@ def curves() -> tuple[Curve, Curve, Curve, Curve]:
 
 
 def compare(folder: Path | None) -> list[Claim]:
-    """Fig. 12: linear to 100 um, no cross-talk, normal about twice shear."""
+    """Fig. 12: linearity to 100 um, cross-talk, ratio of normal to shear."""
     press, shift, touching, _ = curves()
     if folder is not None:
         draw(folder / "fig12.png")
@@ -121,7 +122,7 @@ def compare(folder: Path | None) -> list[Claim]:
         Claim("12", "linear to 100 um, normal load, contact fixed", "close to linear",
               f"bent by {press.bend(1):.1%} at {DEEPEST * 1e6:.0f} um", press.bend(1) < STRAIGHT,
               "the same; beyond 90 um the glued edge folds over"),
-        Claim("12", "linear to 100 um, normal load, plate touches more and more", "close to linear",
+        Claim("12", "linear to 100 um, normal load, growing contact", "close to linear",
               f"per um at 100 um {grows[-1] / early - 1:+.0%} on that at 20 um", abs(grows[-1] / early - 1) < STRAIGHT,
               "a flat plate on a sphere is no linear contact; a linear answer needs a contact that does not grow; "
               "nodes come off the plate where it would pull; elements of 0.7 times the size change it by 0.04 points"),
@@ -139,40 +140,30 @@ def compare(folder: Path | None) -> list[Claim]:
 
 
 def span(values: list[float]) -> str:
-    """From where to where."""
+    """Return the range, or all values if some are negative."""
     return f"{min(values):.2f} to {max(values):.2f}" if min(values) > 0 else f"{', '.join(f'{v:.0f}' for v in values)}"
 
 
 def draw(path: Path) -> None:
-    """Write the picture."""
+    """Write the figure."""
     press, shift, touching, small = curves()
+    um, glued = np.array([0, 100.0]), []
+    for curve, component, colour, names in ((press, 1, "tab:blue", "FzUz FzUx"), (shift, 0, "tab:red", "FxUx FxUz")):
+        along, across = names.split()
+        response, other = curve.response.T[[component, 1 - component]]
+        slope = response[0] / curve.moved[0]
+        glued += [
+            (um, um * slope, "-", colour, f"{along}, small strain"),
+            (curve.moved * 1e6, response * 1e6, "o", colour, f"{along}, neo-Hookean"),
+            (curve.moved * 1e6, other * 1e6, "x" if component else ".", "k", f"{across}, neo-Hookean"),
+        ]
+    growing: list[tuple[Any, Any, str, str, str | None]] = [
+        (curve.moved * 1e6, curve.response[:, 1] * 1e6, style, "tab:blue", f"FzUz, {name}")
+        for curve, style, name in ((small, "--", "small strain"), (touching, "-", "neo-Hookean"))
+    ]
+    growing.append((um, um * touching.response[7, 1] / touching.moved[7], "-", "0.6", "through 20 µm"))
     drawn, ((left, right),) = figure(2, size=(5.5, 4.6))
-    for curve, component, colour, name in ((press, 1, "tab:blue", "FzUz"), (shift, 0, "tab:red", "FxUx")):
-        line = np.array([0, 100e-6])
-        slope = curve.response[0, component] / curve.moved[0]
-        left.plot(line * 1e6, line * slope * 1e6, color=colour, linewidth=0.8, label=f"{name}, small strain")
-        left.plot(
-            curve.moved * 1e6, curve.response[:, component] * 1e6, "o", color=colour, label=f"{name}, neo-Hookean"
-        )
-        across, mark = ("FzUx", "kx") if component else ("FxUz", "k.")
-        left.plot(curve.moved * 1e6, curve.response[:, 1 - component] * 1e6, mark, label=f"{across}, neo-Hookean")
-    left.set(title="the top glued to the plate, 100 µm to each side")
-    for curve, style, name in ((small, "--", "small strain"), (touching, "-", "neo-Hookean")):
-        right.plot(curve.moved * 1e6, curve.response[:, 1] * 1e6, style, color="tab:blue", label=f"FzUz, {name}")
-    right.plot(
-        [0, 100],
-        [0, touching.response[7, 1] / touching.moved[7] * 100],
-        color="0.6",
-        linewidth=0.8,
-        label="through 20 µm",
-    )
-    right.set(title="a flat plate that touches more and more")
-    for panel in (left, right):
-        panel.set(xlabel="the plate's displacement [µm]", ylabel="displacement at the sensor [µm]")
-        panel.legend(fontsize=8)
-    drawn.suptitle("Response 200 µm deep on the axis, plane stress")
-    drawn.savefig(path, dpi=110)
-
-
-if __name__ == "__main__":
-    alone(compare)
+    labels = {"xlabel": "the plate's displacement [µm]", "ylabel": "displacement at the sensor [µm]"}
+    plot_curves(left, glued, title="the top glued to the plate, 100 µm to each side", **labels)
+    plot_curves(right, growing, title="a flat plate with a growing contact", **labels)
+    save(drawn, path, "Response 200 µm deep on the axis, plane stress")

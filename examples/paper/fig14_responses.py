@@ -4,21 +4,21 @@ from pathlib import Path
 
 import numpy as np
 
-from examples.paper.claims import Claim, alone
-from examples.paper.needle import figure
+from examples.paper.claims import Claim
+from examples.paper.drawing import figure, save
 from examples.paper.pulls import BEGIN, FRAME, Pull, all_pulls
 from tactile.simulator.contacts.materials import PRESETS
 
 
 def tone(made: Pull) -> float:
-    """Frequency [Hz] at which the normal force of a pull is strongest."""
+    """Return the frequency [Hz] of the largest component of a pull's normal force."""
     normal = made.load[BEGIN:, 2]
     power = np.abs(np.fft.rfft((normal - normal.mean()) * np.hanning(normal.size))) ** 2
     return float(np.fft.rfftfreq(normal.size, FRAME)[power.argmax()])
 
 
 def compare(folder: Path | None) -> list[Claim]:
-    """Fig. 14: what normal force, the shears' ratio and their size tell of the material and of its motion."""
+    """Fig. 14: material and motion from the normal force, the shears' ratio and their size."""
     pulls = all_pulls()
     screws = [made for made in pulls if made.material == "screw"]
     off = max(abs(tone(made) * PRESETS["screw"].period / made.speed - 1) for made in screws)
@@ -33,20 +33,19 @@ def compare(folder: Path | None) -> list[Claim]:
     if folder is not None:
         draw(pulls, folder / "fig14_responses.png")
     return [
-        Claim("14", "the normal component follows the fine structure: tone of the screw's thread", "it does",
+        Claim("14", "the normal component follows the fine structure: tone of the screw's thread", "yes",
               f"speed / period within {off:.1%}", off < 0.05, "a thread of 0.5 mm at 4-6 mm/s, sampled every 15 ms"),
-        Claim("14", "its mean shows how hard the object presses", "it does", f"within {level:.1%}", level < 0.1),
-        Claim("14", "the direction of motion is in the ratio of the shears", "it is",
-              f"within {max(turns):.2f} degrees",
-              max(turns) < 5),
-        Claim("14", "shear over normal is the coefficient of friction", "it is",
+        Claim("14", "its mean is the pressing force", "yes", f"within {level:.1%}", level < 0.1),
+        Claim("14", "the ratio of the shears gives the direction of motion", "yes",
+              f"within {max(turns):.2f} degrees", max(turns) < 5),
+        Claim("14", "shear over normal is the coefficient of friction", "yes",
               f"between kinetic and static in {sum(mu)} of {len(mu)} pulls", all(mu),
               "the paper gives no coefficients; these are those of the simulated materials"),
     ]  # fmt: skip
 
 
 def draw(pulls: tuple[Pull, ...], path: Path) -> None:
-    """Write the picture: the first pull of each material."""
+    """Write the figure: the first pull of each material."""
     drawn, panels = figure(1, len(PRESETS), (10, 2.0))
     for axes, material in zip(panels[:, 0], PRESETS, strict=True):
         made = next(made for made in pulls if made.material == material)
@@ -59,8 +58,4 @@ def draw(pulls: tuple[Pull, ...], path: Path) -> None:
         axes.set(ylabel="load [N]", xlim=(0, t[-1]))
     panels[0, 0].legend(ncols=3, loc="lower right", bbox_to_anchor=(1, 1), frameon=False)  # above the curves
     panels[-1, 0].set_xlabel("time [s]")
-    drawn.savefig(path, dpi=110)
-
-
-if __name__ == "__main__":
-    alone(compare)
+    save(drawn, path)

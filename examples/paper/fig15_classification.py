@@ -1,18 +1,18 @@
-"""Fig. 15: friction and roughness of four materials, eqs (19) and (20), and how well two figures tell them apart."""
+"""Fig. 15: friction and roughness of four materials, eqs (19) and (20), and classification by both."""
 
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from examples.paper.claims import Claim, alone
-from examples.paper.needle import figure
+from examples.paper.claims import Claim
+from examples.paper.drawing import figure, save
 from examples.paper.pulls import FRAME, PULLS, WINDOW, Pull, all_pulls
 from tactile.simulator.contacts.materials import PRESETS
 
 
-def told_apart(pulls: tuple[Pull, ...], columns: slice = slice(None)) -> float:
-    """Share of points named rightly by a linear discriminant that never saw their pull."""
+def accuracy(pulls: tuple[Pull, ...], columns: slice = slice(None)) -> float:
+    """Return the accuracy of a linear discriminant, cross-validated by pulls."""
     right = 0
     for left_out in range(PULLS):
         known = [made for k, made in enumerate(pulls) if k % PULLS != left_out]
@@ -22,44 +22,43 @@ def told_apart(pulls: tuple[Pull, ...], columns: slice = slice(None)) -> float:
             means.append(points.mean(axis=0))
             within = within + np.cov(points.T).reshape(points.shape[1], -1)
         for made in pulls[left_out::PULLS]:
-            right += int((names(made.points[:, columns], np.array(means), within) == made.material).sum())
+            right += int((classified(made.points[:, columns], np.array(means), within) == made.material).sum())
     return right / sum(len(made.points) for made in pulls)
 
 
-def names(points: NDArray[np.float64], means: NDArray[np.float64], within: NDArray[np.float64]) -> NDArray[np.str_]:
-    """The material whose mean is nearest, lengths measured by the spread within materials."""
+def classified(
+    points: NDArray[np.float64], means: NDArray[np.float64], within: NDArray[np.float64]
+) -> NDArray[np.str_]:
+    """Return the material with the nearest mean, by the Mahalanobis distance."""
     off = points[:, None] - means
     distance = np.einsum("nmi,ij,nmj->nm", off, np.linalg.inv(within), off)
     return np.array(list(PRESETS))[distance.argmin(axis=1)]
 
 
 def compare(folder: Path | None) -> list[Claim]:
-    """Fig. 15: the points, and the share that is told apart."""
+    """Fig. 15: points of all pulls, and the accuracy of their classification."""
     pulls = all_pulls()
     count = sum(len(made.points) for made in pulls)
-    both, friction, roughness = (told_apart(pulls, columns) for columns in (slice(None), slice(0, 1), slice(1, 2)))
-    spread = max(
-        float(np.concatenate([made.points for made in pulls if made.material == material])[:, 1].std(ddof=1))
-        / float(np.concatenate([made.points for made in pulls if made.material == material])[:, 1].mean())
-        for material in PRESETS
-    )
+    both, friction, roughness = (accuracy(pulls, columns) for columns in (slice(None), slice(0, 1), slice(1, 2)))
+    rough = [np.concatenate([one.points[:, 1] for one in pulls if one.material == name]) for name in PRESETS]
+    spread = max(float(values.std(ddof=1) / values.mean()) for values in rough)
     if folder is not None:
         draw(pulls, folder / "fig15_classification.png")
     return [
         Claim("15", f"T = {WINDOW} frames of {FRAME * 1e3:g} ms average over", "2 s", f"{WINDOW * FRAME:.2f} s",
               abs(WINDOW * FRAME - 2) < 0.1, f"{count} points"),
-        Claim("15", "friction and roughness tell the four materials apart, pulls never seen before",
+        Claim("15", "friction and roughness separate the four materials, in pulls not trained on",
               "relatively separable", f"{both:.1%} of the points", both > 0.9,
               f"friction alone {friction:.1%}, roughness alone {roughness:.1%}; materials are simulated, with friction "
-              "and lengths such things have"),
-        Claim("15", "a material's points spread so far that the clouds meet", "huge standard deviation",
-              f"roughness up to +- {spread:.0%}, the clouds stay apart", both < 1,
-              "ours are cleaner: steady speed and mean force in a pull, no hand that pulls, no wear"),
+              "and lengths of such materials"),
+        Claim("15", "the clouds of the materials overlap", "huge standard deviation",
+              f"roughness up to +- {spread:.0%}, the clouds are separate", both < 1,
+              "simulated pulls vary less: constant speed and mean force, no pulling by hand, no wear"),
     ]  # fmt: skip
 
 
 def draw(pulls: tuple[Pull, ...], path: Path) -> None:
-    """Write the picture."""
+    """Write the figure."""
     drawn, ((axes,),) = figure(1, size=(6.4, 4.8))
     for material in PRESETS:
         points = np.concatenate([made.points for made in pulls if made.material == material])
@@ -67,8 +66,4 @@ def draw(pulls: tuple[Pull, ...], path: Path) -> None:
     axes.set(xlabel="friction coefficient, eq. (19)", ylabel="roughness [%], eq. (20)")
     axes.set_title(f"{WINDOW} frames of {FRAME * 1e3:g} ms each; every streak is one pull")
     axes.legend(markerscale=4)
-    drawn.savefig(path, dpi=110)
-
-
-if __name__ == "__main__":
-    alone(compare)
+    save(drawn, path)

@@ -1,7 +1,7 @@
 """The paper's texture bench (sect. 6): four materials pulled over the skin in all directions, 15 ms a frame, T = 128.
 
-Four taxels under a flat cover and their located load stand in for one taxel under a bump: both keep normal force and
-shear apart.
+The load located by four taxels under a flat cover replaces the signals of one taxel under a bump: both separate normal
+force and shear.
 """
 
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ from tactile.simulator.scene.scene import Scene
 from tactile.texture.figures import Texture
 
 FRAME, WINDOW = 15e-3, 128
-"""[s] a frame, and frames a figure: the paper's."""
+"""Duration of a frame [s], and frames of a point, as in the paper."""
 PULLS, POINTS = 6, 125
-"""Pulls a material and figures a pull: 3000 points in all, as in Fig. 15."""
+"""Pulls of a material and points of a pull: 3000 points in total, as in Fig. 15."""
 LONGEST = 600
-"""Frames a pull takes at most: where the rasp leaves the skin friction is not defined, and the T frames begin anew."""
+"""Most frames of a pull: when the rasp leaves the skin, friction is undefined and the T frames start again."""
 BEGIN = 20
 """Frames until the shear has built up and the object slides."""
 ARRAY = TaxelArray("finger", 2, 2, 1.5e-3, 1.5e-3)
@@ -32,7 +32,7 @@ ARRAY = TaxelArray("finger", 2, 2, 1.5e-3, 1.5e-3)
 
 @dataclass(frozen=True)
 class Pull:
-    """One pull: what was done, the located load (n, 3) of Q, R, F [N], and friction and roughness (m, 2)."""
+    """One pull: its parameters, the located load (n, 3) of Q, R, F [N], and friction and roughness (m, 2)."""
 
     material: str
     speed: float
@@ -43,7 +43,7 @@ class Pull:
 
 
 def pull(material: str, seed: int) -> Pull:
-    """Pull a material once: any direction, 4 to 6 mm/s, a mean force of 0.15 to 0.6 N."""
+    """Pull a material once: random direction, 4 to 6 mm/s, a mean force of 0.15 to 0.6 N."""
     random = np.random.default_rng((sum(map(ord, material)), seed))
     direction, speed, force = random.uniform(0, 2 * np.pi), random.uniform(4e-3, 6e-3), random.uniform(0.15, 0.6)
     drawn = SlidingTexture(0, (0.0, 0.0), PRESETS[material], 0.0, LONGEST * FRAME, speed, direction, force, 1e3, seed)
@@ -66,5 +66,5 @@ def pull(material: str, seed: int) -> Pull:
 
 @cache
 def all_pulls() -> tuple[Pull, ...]:
-    """Every material, pulled as often as Fig. 15 needs."""
+    """Return all pulls of all materials."""
     return tuple(pull(material, seed) for material in PRESETS for seed in range(PULLS))

@@ -1,4 +1,4 @@
-"""The skins that Figs. 7 and 8 are asked of: the paper's list of errors, one at a time and together."""
+"""Simulated skins of Figs. 7 and 8, with the paper's errors one at a time and together, and their trials."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,19 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from examples.paper.needle import (
-    BODY,
-    DEPTH,
-    NOISE,
-    SECTION_4_1,
-    SPEED,
-    Effects,
-    Located,
-    Scan,
-    locate,
-    scan,
-    typical,
-)
+from examples.paper.needle import BODY, DEPTH, NOISE, SECTION_4_1, SPEED, Effects, Located, Scan, locate, scan, typical
 from tactile.calibration.gains import Gains
 from tactile.calibration.sensitivity import beta_from_scan
 from tactile.simulator.effects.finite_thickness import FiniteThickness
@@ -28,68 +16,58 @@ from tactile.simulator.effects.taxel_area import TaxelArea
 LINES = np.linspace(-250e-6, 250e-6, 11)
 FAR = (200e-6, 250e-6)
 """[m] Ring "far from the center"."""
-
-
-Feels = Literal["strain", "stress"]
+Measured = Literal["strain", "stress"]
 
 
 @dataclass(frozen=True)
 class Skin:
-    """A cover with its taxel: the effects that act, and what the taxel feels."""
+    """A cover with its taxel: active effects, and the quantity that the taxel measures."""
 
     name: str
     effects: Effects
-    feels: Feels = "strain"
+    quantity: Measured = "strain"
 
 
 def but(*left_out: str) -> Effects:
-    """The paper's whole list without some of it."""
+    """Return the effects of the paper's list except some."""
     return typical(*(name for name in SECTION_4_1 if name not in left_out))
 
 
 ALL = Skin("all of sect. 4.1", but())
 POINT = Skin("all but the taxel's area", but("taxel_area"))
-STRESS = Skin("feels stress", (), "stress")
+STRESS = Skin("measures stress", (), "stress")
 SKINS = (
     Skin("ideal", ()),
     *(Skin(name.replace("_", " "), typical(name)) for name in SECTION_4_1),
     Skin("taxel 100 um wide", (("taxel_area", TaxelArea(100e-6)),)),
     Skin("layer 1.5 z thick", (("finite_thickness", FiniteThickness(1.5 * DEPTH)),)),
     STRESS,
-    Skin("feels stress at a layer's bottom", (("finite_thickness", FiniteThickness(DEPTH)),), "stress"),
+    Skin("measures stress at a layer's bottom", (("finite_thickness", FiniteThickness(DEPTH)),), "stress"),
     Skin("all noise", typical(*NOISE)),
     Skin("all of the body", typical(*BODY)),
     POINT,
     ALL,
 )
+COVERS = (1, 1.5, 2, 3, 5)
+"""Thicknesses of the cover [depths of the taxels]. The paper's taxels lie at the cover's bottom: 1."""
+THICK = ", ".join(f"{times:g}" for times in COVERS)
 
 
-THICK = (1, 1.5, 2, 3, 5)
-"""Covers so many depths of the taxels thick. The paper's taxels lie at the cover's bottom: 1."""
-FEELS: tuple[Feels, ...] = ("strain", "stress")
-
-
-def covered(times: float, feels: Feels = "strain") -> Skin:
-    """The skin without the taxel's area, its cover so many depths thick."""
+def covered(times: float, quantity: Measured = "strain") -> Skin:
+    """Return the skin without the taxel's area under a cover of this thickness [depths]."""
     cover = {"finite_thickness": FiniteThickness(times * DEPTH)}
-    return Skin(
-        f"{feels}, {times:g} z thick", tuple((name, cover.get(name, effect)) for name, effect in POINT.effects), feels
-    )
-
-
-def spoken(values: Sequence[float]) -> str:
-    """Numbers one after the other."""
-    return ", ".join(f"{value:g}" for value in values)
+    effects = tuple((name, cover.get(name, effect)) for name, effect in POINT.effects)
+    return Skin(f"{quantity}, {times:g} z thick", effects, quantity)
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A skin on the bench: beta_ns from its own centre line, the map with that, and the map with the mended depth.
+    """Trial of a skin: beta_ns from its own centre line, the map with it, and the map with the corrected depth.
 
-    ``beta``: 1 is true; ``speed`` [m/s] on the middle line of the map; ``needed``: beta_ns that the readings ask for
-    far from the centre, over ``beta``: above 1 the map is there what an underestimated beta_ns would make it; ``bend``:
-    how much farther out the lines at +-200 um are found 150-200 um beside the taxel than straight before it: above 1
-    they bend outwards, as under an underestimated beta_ns (Fig. 6), below 1 inwards.
+    ``beta``: 1 is true; ``speed`` [m/s] on the middle line of the map; ``needed``: beta_ns that fits the readings far
+    from the centre, over ``beta``: above 1 ``beta`` is an underestimate there; ``bend``: located distance of the lines
+    at +-200 um where they are 150-200 um from the centre line, over that on the centre line: above 1 they bend
+    outwards, as with an underestimated beta_ns (Fig. 6), below 1 inwards.
     """
 
     beta: float
@@ -104,10 +82,10 @@ class Trial:
 
 @cache
 def on_the_bench(skin: Skin, seed: int = 1) -> Trial:
-    """Scan a skin as the paper does: the centre line for beta_ns, then parallel lines over the receptive field."""
-    centre = scan(effects=skin.effects, feels=skin.feels, half=500e-6).readings[0]
+    """Scan a skin like the paper: the centre line for beta_ns, then parallel lines over the receptive field."""
+    centre = scan(effects=skin.effects, quantity=skin.quantity, half=500e-6).readings[0]
     beta = beta_from_scan(centre[:, 0], centre[:, 2]).beta
-    made = scan(LINES, skin.effects, feels=skin.feels, seed=seed)
+    made = scan(LINES, skin.effects, quantity=skin.quantity, seed=seed)
     gains = Gains(beta, 1.0)
     located = locate(made, gains)
     depth = DEPTH * SPEED / located.speed(made)
@@ -123,5 +101,11 @@ def on_the_bench(skin: Skin, seed: int = 1) -> Trial:
 
 
 def betas(trials: Sequence[Trial]) -> str:
-    """The beta_ns of skins, one after the other."""
+    """Return the beta_ns of trials, separated by commas."""
     return ", ".join(f"{trial.beta:.2f}" for trial in trials)
+
+
+def under_covers() -> list[tuple[Measured, list[Trial]]]:
+    """Return the trials under covers of all thicknesses, for each measured quantity."""
+    quantities: tuple[Measured, ...] = "strain", "stress"
+    return [(quantity, [on_the_bench(covered(times, quantity)) for times in COVERS]) for quantity in quantities]

@@ -1,4 +1,4 @@
-"""The paper's figures: every claim with its verdict, so that a change of the physics is noticed."""
+"""Figures of the paper: verdicts and numbers of all claims."""
 
 import importlib
 import json
@@ -24,9 +24,9 @@ VERDICTS = {
     "fig03_region_of_interest": [True, True, True],
     "fig05_centre_line": [True, True, True, True],
     "fig06_normal_to_shear_ratio": [True, True, True, True],
-    # a taxel of 300 um blurs far more than theirs, and nothing strains across a bonded bottom
+    # a taxel of 300 um averages more than theirs, and a bonded bottom has no strain across it
     "fig07_parallel_lines": [True, True, False, False, True, True, True, True],
-    "fig08_speed": [True, True, False, True, False, True, True],  # the same, the other way round
+    "fig08_speed": [True, True, False, True, False, True, True],  # the same
     "fig14_responses": [True, True, True, True],
     "fig15_classification": [True, True, False],  # simulated pulls scatter less
 }
@@ -47,14 +47,14 @@ NUMBERS = {
     ("fig08_speed", 1): (0.444,),
     ("fig08_speed", 2): (0.475, 0.467, 0.445, 0.450, 0.456),
     ("fig08_speed", 3): (0.451, 0.391, 0.392, 0.401, 0.407),
-    ("fig08_speed", 4): (0.288,),  # the area feels the tip and the layer, too, not the half-space under a point
+    ("fig08_speed", 4): (0.288,),  # with tip and layer
     ("fig08_speed", 5): (0.435,),
     ("fig08_speed", 6): (1.127, 0.5, 150, 12.6, 3.6),
     ("fig15_classification", 0): (1.92,),
     ("fig15_classification", 1): (100.0,),
 }
-"""Numbers in the claims: from theory, the paper's formulas, or measured with one realisation of the noise; with others
-places under a cover of 1 z are 6 to 11 um off, the rest changes by a few percent."""
+"""Numbers in the claims: from theory, the paper's formulas, or measured with one realisation of the noise. In 20 other
+realisations errors of places are 6.9 to 11.8 um under a cover of 1 z (strain), and within 20 % of these elsewhere."""
 
 
 @cache
@@ -68,14 +68,14 @@ def test_verdicts(name: str) -> None:
     made = claims(name)
     assert [claim.agrees for claim in made] == VERDICTS[name], made
     assert all(claim.figure == str(int(name[3:5])) for claim in made)
-    assert all(claim.why for claim in made if not claim.agrees)  # where ours differs, it says why
+    assert all(claim.why for claim in made if not claim.agrees)  # a difference has a reason
 
 
 @pytest.mark.parametrize(("name", "index"), NUMBERS)
 def test_numbers(name: str, index: int) -> None:
-    said = [float(number) for number in re.findall(r"\d+(?:\.\d+)?", claims(name)[index].ours)]
+    numbers = [float(number) for number in re.findall(r"\d+(?:\.\d+)?", claims(name)[index].ours)]
     wanted = NUMBERS[name, index]
-    assert said[: len(wanted)] == pytest.approx(wanted, rel=0.02)
+    assert numbers[: len(wanted)] == pytest.approx(wanted, rel=0.02)
 
 
 def test_every_script_is_found_and_tested() -> None:
@@ -94,12 +94,11 @@ def test_pictures(name: str, tmp_path: Path) -> None:
     assert grey.max() > 192
 
 
-def test_a_script_runs_alone(tmp_path: Path) -> None:
-    root = ROOT
-    command = [sys.executable, "-m", "examples.paper.fig03_region_of_interest", "--json", "-o", str(tmp_path / "new")]
-    done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
-    told = json.loads(done.stdout)
-    assert [Claim(**claim) for claim in told] == claims("fig03_region_of_interest")
+def test_one_figure_alone(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "examples.paper", "3", "--json", "-o", str(tmp_path / "new")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    printed = json.loads(done.stdout)
+    assert [Claim(**claim) for claim in printed] == claims("fig03_region_of_interest")
     assert (tmp_path / "new" / "fig03.png").is_file()
 
 
@@ -109,13 +108,13 @@ def test_all_scripts_in_one_table(
     monkeypatch.setattr(every, "SCRIPTS", ["fig03_region_of_interest", "fig06_normal_to_shear_ratio"])
     monkeypatch.setattr(sys, "argv", ["paper", "--json", "-o", str(tmp_path)])
     every.main()
-    told = [Claim(**claim) for claim in json.loads(capsys.readouterr().out)]
-    assert told == claims("fig03_region_of_interest") + claims("fig06_normal_to_shear_ratio")
+    printed = [Claim(**claim) for claim in json.loads(capsys.readouterr().out)]
+    assert printed == claims("fig03_region_of_interest") + claims("fig06_normal_to_shear_ratio")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["fig03.png", "fig06.png"]
     monkeypatch.setattr(sys, "argv", ["paper"])
     every.main()
     shown = capsys.readouterr().out
-    assert shown.count("agrees") == len(told)
+    assert shown.count("agrees") == len(printed)
 
 
 @pytest.mark.parametrize("study", [ablation, calibration_gains])
@@ -134,24 +133,18 @@ def test_studies_print_and_draw(
     assert {line["skin"] for line in json.loads(capsys.readouterr().out)} == {POINT.name, STRESS.name}
 
 
-def test_the_table_says_it_all(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_contains_all_fields(capsys: pytest.CaptureFixture[str]) -> None:
     table([Claim("7", "what [it] is", "3-5 um", "60 um", False, "because"), Claim("8", "speed", "1", "1", True)])
     shown = capsys.readouterr().out
     for word in ("what [it] is", "3-5 um", "60 um", "not so", "because", "agrees"):
         assert word in shown
 
 
-def test_the_ablation_says_which_error_brings_back_what() -> None:
+def test_findings_reproduced_by_each_error() -> None:
     found = {skin.name: set(ablation.line(skin, on_the_bench(skin)).brings_back) for skin in SKINS}
     for name in (
-        "ideal",
-        "needle vibration",
-        "surface waviness",
-        "poisson ratio",
-        "motor noise",
-        "read noise",
-        "all noise",
-    ):
+        "ideal", "needle vibration", "surface waviness", "poisson ratio", "motor noise", "read noise", "all noise",
+    ):  # fmt: skip
         assert not found[name], name
     for name in ("finite tip", "taxel area", "strain nonlinearity", "finite thickness", "taxel 100 um wide"):
         assert {"slow", "bent"} <= found[name], name
@@ -162,7 +155,7 @@ def test_the_ablation_says_which_error_brings_back_what() -> None:
     assert found[ALL.name] == {"beta_ns > 1", "slow", "bent"}
 
 
-def test_a_taxel_that_feels_stress_has_beta_three_halves() -> None:
+def test_a_taxel_that_measures_stress_has_beta_three_halves() -> None:
     # sigma: 1 over (1/2) / (5/4)^(5/2); strain: 2 over (3/2) / (5/4)^(5/2): their ratio is 3/2
     trial = on_the_bench(STRESS)
     assert trial.beta == pytest.approx(1.5, rel=1e-9)
@@ -171,7 +164,7 @@ def test_a_taxel_that_feels_stress_has_beta_three_halves() -> None:
     assert trial.located.places[5, :, 0] / 200e-6 == pytest.approx(bent, abs=1e-9)
 
 
-def test_every_calibration_gains_where_its_error_is() -> None:
+def test_every_calibration_reduces_its_error() -> None:
     found = {
         skin.name: {gain.step: gain for gain in calibration_gains.calibrated(skin)} for skin in calibration_gains.SKINS
     }
@@ -180,22 +173,18 @@ def test_every_calibration_gains_where_its_error_is() -> None:
     assert ideal["beta_ns"].force == pytest.approx(0.2, rel=1e-6)  # 0.8 of the nominal gain
     assert ideal["load"].force < 1e-9
     assert ideal["radial"].far < 1e-6
-    for name in (
-        "finite tip",
-        "finite thickness",
-        "taxel area",
-        "strain nonlinearity",
-        STRESS.name,
-        POINT.name,
-        ALL.name,
-    ):
+    single = "finite tip", "finite thickness", "taxel area", "strain nonlinearity", STRESS.name, POINT.name
+    for name in (*single, ALL.name):
         steps = found[name]
         assert steps["beta_ns"].near < steps["nominal"].near, name
         assert steps["thickness"].near < 0.65 * steps["beta_ns"].near, name
         # with all at once the square area, tip and layer leave 3 to 7 um that go as cos(4 phi): no radius corrects
         assert steps["radial"].far < (0.62 if name == ALL.name else 0.45) * steps["load"].far, name
         assert steps["radial"].force < 0.6 * steps["nominal"].force, name
-        assert steps["radial"].lost <= (name == ALL.name), name  # of about 330 answers, by noise
-    for step in ("thickness", "load", "radial"):  # there is nothing to gain against noise, and nothing is lost
+        assert not steps["radial"].lost_inside, name
+        # a square taxel locates loads near the axes 3 to 7 um farther out than the ring's mean: of 332 answers with
+        # all effects, those on the line at 227 um may lie beyond the last ring (275 of 33 200 in 100 realisations)
+        assert steps["radial"].lost == (name == ALL.name), name
+    for step in ("thickness", "load", "radial"):  # calibration does not change noise
         assert found["noise"][step].near == pytest.approx(found["noise"]["beta_ns"].near, rel=0.1)
     assert 3 < found[POINT.name]["radial"].far < 5  # the paper's precision, but up to 230 um
