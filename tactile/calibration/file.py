@@ -101,7 +101,7 @@ def write_calibration(path: Path, made: Calibration) -> None:
         shear, normal, depth = made.sigma
         sigma = ["", "[sigma]", f"shear_gain = {shear!r}", f"normal_gain = {normal!r}", f"depth_mm = {depth * 1e3!r}"]
     lines = [
-        "# Readings times the gains are strain; loads are located with this depth, then put right by their distance",
+        "# Readings times the gains are strain. Loads are located with this depth, and corrected by their distance",
         "# from the taxel.",
         f"shear_gain = {made.gains.shear!r}",
         f"normal_gain = {made.gains.normal!r}",

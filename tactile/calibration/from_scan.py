@@ -16,17 +16,17 @@ from tactile.core.loads import COLUMNS, PLACE, F
 from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.taxel import invert_strain
 
-RELIABLE, REACH = 0.75, 1.25
-"""Distances [depths] within which speed and load are compared (150 um of the paper's 200), and radii measured."""
+RELIABLE, FARTHEST = 0.75, 1.25
+"""Distances [depths] within which speed and load are compared (150 um of the paper's 200), and within which the radial
+correction is measured."""
 PLACES = 101
 """Number of places within `RELIABLE`."""
-BESIDE = 0.1
+ASIDE_MOST = 0.1
 """Largest distance [depths] of the scan line from the taxel: eq. (18) holds for y = 0."""
 CUT = 4
-"""Counts by which a smooth rounded peak with 3 or more equal samples falls next to them at most; a clipped one falls
-by more."""
+"""Largest step [counts] next to 3 or more equal samples at a smooth rounded peak; that of a clipped peak is larger."""
 RINGS, SAMPLES = 10, 6
-"""Rings of the radial correction, and samples that each needs."""
+"""Largest number of rings of the radial correction, and number of samples for each."""
 
 
 def calibrate(
@@ -38,15 +38,16 @@ def calibrate(
     modulus: float,
     toward: tuple[float, float] | None = None,
 ) -> Calibration:
-    """Return the calibration from a needle that slides straight over a taxel, at a known speed, with a known load.
+    """Return the calibration from a needle drawn straight over a taxel at a known speed with a known load.
 
     From smooth curves through all samples (`tactile.calibration.scan_fit`) follow, in this order: beta_ns from the
-    extrema (eq. (18)); the depth for which the located needle moves at its speed; the gains for which its located load
-    near the taxel is right; the true distance for each located radius. Standard deviations are those of the curves.
+    extrema (eq. (18)); the depth for which the located needle has the known speed; the gains for which its located
+    load near the taxel is the known one; the true distance for each located radius. Standard deviations are those of
+    the curves.
 
     Arguments: ``times`` (n,) [s]; ``readings`` (n, 3) T_x, T_y, S_n less their tare; ``speed`` [m/s]; ``load`` [N];
     ``depth`` z [m], nominal; ``modulus`` E [Pa]; ``toward``: direction of the slide in the array's
-    frame. Without it the direction is found from the shear, whose sign is then taken to be right.
+    frame; by default it is found from the shear, whose sign is then assumed to be right.
 
     Raises:
         InputError: shapes that do not match, a speed, load, depth or modulus that is not positive, a scan that
@@ -66,7 +67,7 @@ def calibrate(
         _in_range(name, column)
     top = int(np.abs(read[:, 2]).argmax())
     if toward is None:
-        axis = _way(read[:, :2], top)
+        axis = _direction(read[:, :2], top)
     elif not 0 < np.hypot(*toward) < np.inf:
         raise InputError(f"direction {toward}, a direction on the surface wanted")
     else:
@@ -88,23 +89,23 @@ def calibrate(
             f"the depth is {deeper:.3g} +- {sigma[2]:.3g} m: a motion above {SURE:g} standard errors wanted"
         )
     aside = bench.aside(fit.parameters)
-    if abs(aside) > BESIDE * deeper:
+    if abs(aside) > ASIDE_MOST * deeper:
         raise InputError(
-            f"the scan passes {aside * 1e6:.3g} um beside the taxel, at most {BESIDE * deeper * 1e6:.3g} um wanted"
+            f"the scan passes {aside * 1e6:.3g} um next to the taxel, at most {ASIDE_MOST * deeper * 1e6:.3g} um wanted"
         )
-    x = (at - fit.parameters[MIDDLE]) * bench.way
-    x = x[np.hypot(x, aside) <= REACH * depth]
+    x = (at - fit.parameters[MIDDLE]) * bench.step
+    x = x[np.hypot(x, aside) <= FARTHEST * depth]
     places, forces = _located(bench.readings(fit.parameters, x), gains, deeper, modulus)
     radial = _radial(places, np.stack([x, np.full(x.size, aside)], axis=-1), forces, load)
     return Calibration(gains, deeper, radial, (float(sigma[0]), float(sigma[1]), float(sigma[2])))
 
 
 class _Bench(NamedTuple):
-    """Known parameters of a scan: step [m] from sample to sample, load [N], nominal depth [m] and modulus [Pa] of the
-    skin, units (3,) of the fitted readings, first and last place, sign of a pressing load.
+    """Known parameters of a scan: step [m] between samples, load [N], nominal depth [m] and modulus [Pa] of the skin,
+    units (3,) of the fitted readings, first and last place [samples], sign of a pressing load.
     """
 
-    way: float
+    step: float
     load: float
     depth: float
     modulus: float
@@ -114,21 +115,21 @@ class _Bench(NamedTuple):
 
     def aside(self, parameters: Floats) -> float:
         """Return the distance [m] of the scan line from the taxel."""
-        return float(parameters[ASIDE] * parameters[DEPTH]) * self.way
+        return float(parameters[ASIDE] * parameters[DEPTH]) * self.step
 
     def readings(self, parameters: Floats, x: Floats) -> Floats:
         """Return the readings (n, 3) along the scan, across it and normal, with the load at x (n,) [m] along it."""
-        return curves(parameters, x / (parameters[DEPTH] * self.way)).T * self.units
+        return curves(parameters, x / (parameters[DEPTH] * self.step)).T * self.units
 
     def gains_and_depth(self, parameters: Floats) -> Floats:
-        """Return the gains of shear and normal, and the depth [m], that follow from these curves.
+        """Return the shear gain, the normal gain and the depth [m] of these curves.
 
-        A located length is proportional to the depth given to the inverse. Gains are computed from the curves, which
+        Located lengths are proportional to the depth given to the inverse. Gains are computed from the curves, which
         have little noise: forces located from three noisy readings are biased upwards.
         """
         _, _, normal = self.units
         gains = Gains(extrema(parameters) * normal / self.units[0], self.inward)
-        first, last = ((end - float(parameters[MIDDLE])) * self.way for end in self.ends)
+        first, last = ((end - float(parameters[MIDDLE])) * self.step for end in self.ends)
         x = np.linspace(max(-RELIABLE * self.depth, first), min(RELIABLE * self.depth, last), PLACES)
         readings = self.readings(parameters, x)
         places, _ = _located(readings, gains, self.depth, self.modulus)
@@ -141,7 +142,7 @@ class _Bench(NamedTuple):
         return np.array([gains.shear * factor, gains.normal * factor, deeper])
 
 
-def _way(shear: Floats, top: int) -> Floats:
+def _direction(shear: Floats, top: int) -> Floats:
     """Return the direction of the scan: the shear along it changes sign at the taxel."""
     half = min(top, len(shear) - 1 - top)
     odd = shear[top : top + half + 1] - shear[top - half : top + 1][::-1]
@@ -149,7 +150,7 @@ def _way(shear: Floats, top: int) -> Floats:
 
 
 def _radial(found: Floats, true: Floats, forces: Floats, load: float) -> RadialCorrection:
-    """Return the radial correction with the most rings that noise allows."""
+    """Return the radial correction with the largest number of rings that the noise permits."""
     rings = max(1, min(RINGS, len(found) // SAMPLES))
     while True:
         try:
@@ -161,17 +162,17 @@ def _radial(found: Floats, true: Floats, forces: Floats, load: float) -> RadialC
 
 
 def _in_range(name: str, readings: Floats) -> None:
-    """Refuse clipped readings: equal ones at an extremum with a larger step next to them than a smooth peak has."""
+    """Refuse clipped readings: equal ones at an extremum next to a larger step than at a smooth peak."""
     count = np.diff(np.unique(readings)).min(initial=np.inf)
     for end in (readings.min(), readings.max()):
         at = np.flatnonzero(readings == end)
         run = max(np.split(at, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
-        beside = max(readings[[max(run[0] - 1, 0), min(run[-1] + 1, readings.size - 1)]], key=lambda r: abs(r - end))
+        neighbour = max(readings[[max(run[0] - 1, 0), min(run[-1] + 1, readings.size - 1)]], key=lambda r: abs(r - end))
         high = 2 * abs(end) >= np.abs(readings).max()
-        if high and run.size >= 3 and abs(beside - end) > (CUT + 0.5) * count:  # whole counts, less rounding
+        if high and run.size >= 3 and abs(neighbour - end) > (CUT + 0.5) * count:  # whole counts, except rounding
             raise InputError(
-                f"{run.size} {name} readings on end are {end:.4g}, the one beside them {beside:.4g}: cut at the end of"
-                " the sensor's range, or repeated; readings within the range wanted"
+                f"{run.size} consecutive {name} readings are {end:.4g}, the next one {neighbour:.4g}: clipped at the"
+                " end of the sensor's range, or repeated; readings within the range wanted"
             )
 
 

@@ -29,21 +29,21 @@ class KnownLoads(NamedTuple):
 def calibrate_loads(
     readings: Floats, loads: KnownLoads, array: TaxelArray, modulus: float | None, model: Model
 ) -> TaxelGains:
-    """Return the gains for which the readings under known loads are those of the loads.
+    """Return the gains that convert the readings under known loads to the quantity of these loads.
 
     Force:            sum over the taxels of M_n r_n = (Q, R, F)
     Strain, stress:   r_n = M_n^-1 u_n, that of the half-space under the load (eqs (1), (10))
 
-    each by least squares over the loads, component by component; deviations from the residuals. Strain and stress of
-    every taxel follow from the loads, so noise of the readings causes no bias; of forces only the sum is known, and
-    noise of the readings reduces the gains by its share of their squares. ``model``: M free, diagonal, or
-    free and the same for all taxels.
+    each by least squares over the loads, component by component, with deviations from the residuals. Strain and
+    stress of every taxel are known, so noise of the readings causes no bias; of forces only the sum is known, and
+    noise reduces the gains by its part of the readings' mean square. ``model``: M free, diagonal, or free and the same
+    for all taxels.
 
     Arguments: ``readings`` (n, rows, cols, 3) less their tare under each load; ``modulus`` E [Pa] of a strain array.
 
     Raises:
         InputError: shapes that do not match, too few loads, a load without a place where one is wanted, a gain
-            that these loads do not determine.
+            that the loads do not determine.
     """
     rows, cols = array.shape
     if readings.shape[1:] != (rows, cols, 3) or loads.forces.shape != (len(readings), 3):
@@ -68,15 +68,15 @@ def calibrate_loads(
         gain, error = matrix[n, axis, axis], sigma[n, axis, axis]
         if not abs(gain) > SURE * error:
             raise InputError(
-                f"taxel {divmod(n, cols)}: {NAMES[axis]} gain {gain:.3g} +- {error:.3g}: these loads do not tell it;"
-                " loads that it feels along that axis wanted, or a simpler model"
+                f"taxel {divmod(n, cols)}: {NAMES[axis]} gain {gain:.3g} +- {error:.3g}: the loads do not determine it;"
+                " loads on it along that axis, or a simpler model wanted"
             )
     shape = rows, cols, 3, 3
     return TaxelGains(matrix.reshape(shape), sigma.reshape(shape), array.quantity)
 
 
 def _of_forces(read: Floats, forces: Floats, model: Model) -> tuple[Floats, Floats]:
-    """Return the matrices (taxels, 3, 3) by which readings (n, taxels, 3) add up to forces (n, 3), and deviations."""
+    """Return the matrices (taxels, 3, 3) whose sum over readings (n, taxels, 3) is the force (n, 3), and deviations."""
     matrix, sigma = np.zeros((read.shape[1], 3, 3)), np.zeros((read.shape[1], 3, 3))
     for axis in range(3):
         used = [axis] if model == "gains" else [0, 1, 2]
@@ -98,12 +98,12 @@ def _of_taxel(read: Floats, signals: Floats, model: Model, taxel: str) -> tuple[
     try:
         matrix = np.asarray(np.linalg.inv(made), np.float64)
     except np.linalg.LinAlgError:
-        raise InputError(f"{taxel}readings {made.tolist()} of what is felt: a taxel that reads nothing") from None
+        raise InputError(f"{taxel}readings over the signals {made.tolist()}: a taxel without a reading") from None
     if model == "gains":
         return matrix, matrix**2 * error
     spread = np.linalg.inv(signals.T @ signals)  # covariance of a row of K for residuals of variance 1
-    left = error[:, 0] ** 2 / spread[0, 0]
-    variance: Floats = np.outer(matrix**2 @ left, np.einsum("jb,jk,kb->b", matrix, spread, matrix))
+    residual = error[:, 0] ** 2 / spread[0, 0]
+    variance: Floats = np.outer(matrix**2 @ residual, np.einsum("jb,jk,kb->b", matrix, spread, matrix))
     return matrix, np.sqrt(variance)
 
 
@@ -130,10 +130,10 @@ def _solved(parts: Floats, wanted: Floats, name: str) -> tuple[Floats, Floats]:
     found, _, rank, singular = np.linalg.lstsq(parts / unit, wanted, rcond=1e-9)
     if rank < unknown:
         raise InputError(
-            f"{name}: the loads tell {rank} of {unknown} coefficients; loads that every taxel feels along every axis,"
-            " not always in the same proportions, or a simpler model wanted"
+            f"{name}: the loads determine {rank} of {unknown} coefficients; loads on every taxel along every axis,"
+            " in varying proportions, or a simpler model wanted"
         )
-    left = wanted - parts / unit @ found
+    residual = wanted - parts / unit @ found
     spread = np.linalg.inv((parts / unit).T @ (parts / unit)) if singular[-1] > 0 else np.full((unknown,) * 2, np.inf)
-    error = np.sqrt(float(left @ left) / (loads - unknown) * np.diag(spread))
+    error = np.sqrt(float(residual @ residual) / (loads - unknown) * np.diag(spread))
     return found / unit, error / unit

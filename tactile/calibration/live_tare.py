@@ -25,7 +25,7 @@ SHORT = 0.05
 """[s] Shortest block for the first tare if a load comes before `SECONDS`."""
 IDLE = "idle"
 """Reason of an automatic renewal."""
-SLOWLY = "given back to a slow touch"
+SLOWLY = "drift compensation undone by a slow touch"
 """Reason of an offset without the drift compensation since a slow touch began."""
 CURE = "let nothing touch it, then ask for a tare"
 AFTER = 0.1
@@ -49,7 +49,7 @@ class TareNote:
 
 
 class LiveTare:
-    """Subtracts an offset from one finger's frames, renews it from blocks that are still and unloaded, measures noise.
+    """Subtract an offset from one finger's frames, renew it from still and unloaded blocks, and measure the noise.
 
     Still: the means of a block's parts differ by more than half of the dead band, and by seven times the taxel's
     jitter, in at most half of the taxels, and by four times that in no taxel that is increasingly pressed. A taxel
@@ -80,13 +80,13 @@ class LiveTare:
         self._limit[NORMAL] = CONTACT[array.quantity].dead_band
         if gains is not None:
             self._limit = gains.readings(self._limit)
-        # along the last axis of the readings, a pressing load has this sign
+        # sign of the normal readings of a pressing load
         self._inward = 1.0 if array.quantity == "force" else -1.0
         if gains is not None:
             self._inward *= np.sign(gains.normal)
         self._drift = IdleDrift(self._limit, self._inward) if array.quantity == "force" else None
         self._offset: Floats | None = np.zeros((*array.shape, 3)) if self._mode == "off" else None
-        self._asked = self._forced = self._said_negative = False
+        self._asked = self._forced = self._reported_negative = False
         self._start: Floats | None = None
         self._early_wanted = True
         self._block: list[Floats] = []
@@ -120,19 +120,17 @@ class LiveTare:
         self._block.append(values)
         if self._early_wanted and len(self._block) == 2:
             self._early_wanted = False
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", RuntimeWarning)  # of taxels without readings
+            with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of taxels without readings
                 self.early = early_noise(*self._block)
         counted = self._frames and self._offset is None
         if len(self._block) == self._frames if counted else self._full(frame.t):
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", RuntimeWarning)  # a taxel without readings has no mean
+            with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of taxels without readings
                 block = np.array(self._block)
                 self._end_block(frame.t, np.where(np.isfinite(block), block, np.nan))  # no offset is infinite
             self._block = []
             if counted:  # the frames that were averaged are not to be used
                 return replace(frame, valid=np.zeros_like(frame.valid))
-        elif self._offset is None and not counted and self._comes_early(frame.t):
+        elif self._offset is None and not counted and self._load_begins(frame.t):
             self._end_first(frame.t)
         if self._offset is None:
             return replace(frame, valid=np.zeros_like(frame.valid))
@@ -146,16 +144,14 @@ class LiveTare:
 
     def _end_first(self, t: float) -> None:
         """Take the first offset from the frames before an early load, if they were still."""
-        block = self._block
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            before = np.array(block[: -2 * NEWEST])
+        with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of taxels without readings
+            before = np.array(self._block[: -2 * NEWEST])
             before = np.where(np.isfinite(before), before, np.nan)
             if judge(before, measured(before), self._limit, self._inward).still:
                 self._end_block(t, before)
                 self._block = []
 
-    def _comes_early(self, t: float) -> bool:
+    def _load_begins(self, t: float) -> bool:
         many = len(self._block) - 2 * NEWEST
         if many < FRAMES or many % NEWEST or t - self._since < SHORT:
             return False
@@ -199,28 +195,28 @@ class LiveTare:
                 mean = np.where(np.isfinite(mean), mean, self._offset)
             self._offset = mean
             self._renewed = t
-            self._said_negative = False
+            self._reported_negative = False
             why = "at the start" if first else "by force" if forced else "on request" if asked else IDLE
             if still:
                 self._learn(noise)
             check = self._check(block, t) if first or asked else None
-            detail = "" if check is None else "; ".join([_taken(check), *(noise.words() if still else [])])
+            detail = "" if check is None else "; ".join([_subtracted(check), *(noise.words() if still else [])])
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
 
     def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
-        """Note why no offset is taken; a pad on which most taxels read a pull was pressed when it was tared."""
+        """Report why no offset is taken; if most taxels read a pull, the pad was pressed during the tare."""
         press = self._inward * away[..., NORMAL]
         limit = self._limit[..., NORMAL]
         negative = bool((press < -limit).sum() * 2 > (press > 0).sum() + 1)
         negative = negative and float(np.nansum(press)) < -2 * float(np.median(limit))
-        if wanted or (negative and still and not self._said_negative):
-            why, detail = "moving", f"means move {far:.2g} times as far as noise and offsets do: {CURE}"
+        if wanted or (negative and still and not self._reported_negative):
+            why, detail = "moving", f"means move {far:.2g} times the limit of noise and drift: {CURE}"
             if still:
                 amount = check_tare(self._array, self._in_quantity(away)[None], len(self._block), 0.0).amount
                 why, detail = "loaded", f"{amount} off the tare: {CURE}"
             if negative and still:
-                detail = f"{amount} off the tare: it was pressed when it was tared; t! zeroes it by force"
-                self._said_negative = True
+                detail = f"{amount} off the tare: it was pressed during the tare; t! tares it by force"
+                self._reported_negative = True
             self.notes.append(TareNote(self._finger, t, f"refused: {why}", None, detail))
 
     def _learn(self, noise: Noise) -> None:
@@ -234,7 +230,7 @@ class LiveTare:
         return readings if self._gains is None else self._gains(readings)
 
 
-def _taken(check: TareCheck) -> str:
+def _subtracted(check: TareCheck) -> str:
     """Return how much was subtracted, with a warning if it may be a load."""
-    amount = f"{check.amount} taken away"
+    amount = f"{check.amount} subtracted"
     return f"{amount}; loaded, or an offset of that size: {CURE}" if check.loaded else amount

@@ -1,4 +1,4 @@
-"""Radial correction of located loads by their distance from the taxel, as a scan over known places measures it.
+"""Radial correction of located loads by their distance from the taxel, measured by a scan over known places.
 
 "The deviation between the measured strain distributions and the model is a function of distance from the center of the
 taxel. This function is not known theoretically, but it can be measured point by point as calibration data."
@@ -18,7 +18,7 @@ from cnnsim.support import Floats, InputError
 from tactile.inverse.validity import Validity
 
 EVERYWHERE = 1.0
-"""[m] A correction measured to this distance holds for every answer."""
+"""[m] Measured radius of a correction that applies to all answers."""
 LOCATED = (Validity.INSIDE, Validity.OUTSIDE)
 LEAST = 3
 """Least number of answers in a ring."""
@@ -30,8 +30,8 @@ SURE = 2.0
 class RadialCorrection:
     """The true distance from the taxel and the factor of the force, as functions of the located distance.
 
-    Called with the planes (dx, dy, force, validity) of ``invert_strain`` or ``invert_stress`` it gives them corrected;
-    beyond the last radius that was measured the answer is INVALID and 0. Monotone cubic between the measured radii.
+    Calling it corrects the planes (dx, dy, force, validity) of ``invert_strain`` or ``invert_stress``. Beyond the last
+    measured radius the answer is INVALID and 0. Monotone cubic between the measured radii.
 
     Arguments: ``found``, ``true`` (n,) growing radii from 0 [m]; ``force`` (n,) true over located force.
 
@@ -60,14 +60,14 @@ class RadialCorrection:
 
     @classmethod
     def constant(cls, factor: float) -> Self:
-        """Return the correction that leaves every place alone and multiplies every force."""
+        """Return the correction that multiplies every force and keeps the places."""
         return cls((0.0, EVERYWHERE), (0.0, EVERYWHERE), (factor, factor))
 
     def of_signs(self, planes: Planes) -> Planes:
-        """Return the planes of a load that presses, and where there are eight those of one that pulls, corrected.
+        """Return the corrected planes of pressing loads (4), or of pressing and pulling loads (8).
 
-        A load that presses far away and one that pulls near a taxel cause the same readings. Where the first is beyond
-        the measured radii, the second is used only together with answers of other taxels.
+        A far pressing load and a near pulling load cause the same readings. Where the first is beyond the measured
+        radii, the second is used only together with answers of other taxels.
         """
         corrected = [self(planes[k : k + 4]) for k in range(0, len(planes), 4)]
         if len(corrected) == 2:
@@ -100,18 +100,18 @@ class RadialCorrection:
 
 
 def radial_from_scan(found: ArrayLike, true: ArrayLike, forces: ArrayLike, load: float, rings: int) -> RadialCorrection:
-    """Return the correction that a scan over known places measures.
+    """Return the correction measured by a scan over known places.
 
     The answers are sorted into rings of equal width by their true distance; a ring's located radius is the mean of the
-    answers' components along the true direction, so that noise across it does not count as distance.
+    answers' components along the true direction, which noise across it does not lengthen.
 
     Arguments: ``found``, ``true`` (n, 2) places [m] seen from the taxel; ``forces`` (n,) located [N]; ``load`` [N];
-    ``rings``: how many, at least 3 answers in each.
+    ``rings``: their number, with at least 3 answers each.
 
     Raises:
         InputError: shapes that do not match, numbers that are not finite, a ring with too few answers (the scan has
             too few, or misses the taxel), a located radius that does not grow from ring to ring (noise, or a map that
-            folds: scan less far), forces that do not press.
+            folds: scan a smaller region), forces that do not press.
     """
     at, place, pressing = (np.asarray(values, np.float64) for values in (found, true, forces))
     if place.ndim != 2 or place.shape[1] != 2 or at.shape != place.shape or pressing.shape != place.shape[:1]:
@@ -135,8 +135,8 @@ def radial_from_scan(found: ArrayLike, true: ArrayLike, forces: ArrayLike, load:
         raise InputError(f"{count[k]} answers {span} from the taxel, at least {LEAST} in every ring wanted")
     along = (at * place).sum(axis=1) / rho
     mean, true_mean, force = (np.bincount(ring, values) / count for values in (along, rho, pressing))
-    rest = along - rho * (mean / true_mean)[ring]
-    error = np.sqrt(np.bincount(ring, rest**2) / count / (count - 1))
+    residual = along - rho * (mean / true_mean)[ring]
+    error = np.sqrt(np.bincount(ring, residual**2) / count / (count - 1))
     _growing(mean, true_mean, SURE * error)
     if force.min() <= 0:
         raise InputError(f"a located force of {force.min():.3g} N under {load} N, one that presses wanted")

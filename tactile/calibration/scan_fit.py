@@ -1,12 +1,12 @@
 """Smooth curves through a scan over one taxel, with their covariance: shear along and across the scan, and normal.
 
 With the load at X along the scan and Y across it, in depths, t = X^2 + Y^2, w = t / (1 + t), and p, q
-polynomials in w with as few terms as Schwarz's criterion selects,
+polynomials in w whose number of terms minimises Schwarz's criterion (BIC),
 
     S_n = p(w) / (1 + t)^(3/2),   (T along, T across) = 3 (X, Y) q(w) / (1 + t)^(5/2)
 
-which is eq. (1) with p = 3 w - 2 and eq. (10) with p = w - 1, q constant. Shear points to the load on any skin, so
-Y is right also for skins that are no half-space.
+which is eq. (1) with p = 3 w - 2 and eq. (10) with p = w - 1, q constant. Shear points to the load on any skin, so Y
+is correct also for skins other than a half-space.
 """
 
 from collections.abc import Callable
@@ -22,16 +22,16 @@ from cnnsim.support import Flags, Floats
 TERMS = 8
 """Largest number of terms of p and of q."""
 WIDTHS = 24
-"""Number of depths, in samples, that are tried as the start."""
+"""Number of depths tried as starting values."""
 CLOSE = {"xtol": 1e-13, "ftol": 1e-13, "gtol": 1e-13}
 EXACT = 1e-20
-"""Share of the energy of a scan below which residuals are rounding."""
-SUREST = 0.01
-"""Least variance of a signal, over the largest one: the residuals of a signal that is zero are no noise."""
+"""Part of the energy of a scan below which residuals are rounding errors."""
+LEAST_VARIANCE = 0.01
+"""Least assumed variance of a signal over the largest one, since a signal of zero has no residuals."""
 MIDDLE, DEPTH, ANGLE, ASIDE, OFFSETS, CURVES = 0, 1, 2, 3, slice(4, 6), 6
 """Indices of the parameters: place and depth in samples, direction of the scan, Y, offsets of the shear, p and q."""
-TURNS = 2
-"""Number of fits; each weighs the signals by the residuals of the one before."""
+REWEIGHTED = 2
+"""Number of fits; each weights the signals by the residuals of the previous one."""
 STEP = 1e-5
 """Relative step of numerical derivatives."""
 
@@ -44,7 +44,7 @@ class ScanFit(NamedTuple):
 
     @property
     def sided(self) -> Self:
-        """The same curves with q > 0 in the middle, by reversing the direction of the scan."""
+        """The same curves with q > 0 in the middle, with the direction of the scan reversed if necessary."""
         if _halves(self.parameters)[1][0] >= 0:
             return self
         sign = np.ones(self.parameters.size)
@@ -55,12 +55,8 @@ class ScanFit(NamedTuple):
 
     def spread(self, function: Callable[[Floats], Floats]) -> Floats:
         """Return the standard deviations of a function of the parameters, to first order."""
-        step = STEP * np.maximum(np.abs(self.parameters), 1e-2)
-        moves = np.diag(step)[np.diag(self.covariance) > 0]
-        slope = np.array(
-            [(function(self.parameters + h) - function(self.parameters - h)) / (2 * h.sum()) for h in moves]
-        )
         free = np.diag(self.covariance) > 0
+        slope = _derivatives(function, self.parameters, free)
         return np.asarray(np.sqrt(np.einsum("ik,ij,jk->k", slope, self.covariance[np.ix_(free, free)], slope)))
 
 
@@ -75,10 +71,10 @@ def curves(parameters: Floats, along: Floats) -> Floats:
 
 
 def fit_scan(places: Floats, scan: Floats, angle: float | None) -> ScanFit:
-    """Return the fit to T_x, T_y and S_n (3, n) at places in samples; ``angle``: the scan's direction to begin with.
+    """Return the fit to T_x, T_y and S_n (3, n) at places in samples.
 
-    None where the scan is along x, right over the taxel, and T_y is not known. Signals are weighed by their
-    residuals; terms are added while they lower Schwarz's criterion.
+    ``angle``: starting value of the scan's direction; None if the scan is along x over the taxel and T_y is unknown.
+    Signals are weighted by their residuals; terms are added while they lower Schwarz's criterion.
     """
     used = np.array([True, angle is not None, True])
     fixed = [] if angle is not None else [ANGLE, ASIDE, OFFSETS.stop - 1]
@@ -92,15 +88,15 @@ def fit_scan(places: Floats, scan: Floats, angle: float | None) -> ScanFit:
         tried = _amplitudes(places, scan, np.array([*start, turn, 0.0]), terms, used)
         free = np.ones(tried.size, bool)
         free[fixed] = False
-        for _ in range(TURNS):
-            tried, left = _fitted(tried, free, places, scan, weights * used)
-            weights = _weights(left, used)
-        likely = -places.size / 2 * float(np.log(np.maximum(left[used], floor)).sum())
+        for _ in range(REWEIGHTED):
+            tried, squares = _fitted(tried, free, places, scan, weights * used)
+            weights = _weights(squares, used)
+        likely = -places.size / 2 * float(np.log(np.maximum(squares[used], floor)).sum())
         bic = int(free.sum()) * np.log(size) - 2 * likely
         if best is not None and bic > score - 2:
             break
         best, score = (tried, free), bic
-        if left[used].sum() <= floor:
+        if squares[used].sum() <= floor:
             break
     assert best is not None
     parameters, free = best
@@ -122,8 +118,14 @@ def _read(parameters: Floats, places: Floats) -> Floats:
     return np.array([cos * along - sin * across + x, sin * along + cos * across + y, normal])
 
 
+def _derivatives(function: Callable[[Floats], Floats], parameters: Floats, free: Flags) -> Floats:
+    """Return the central differences (k, ...) of a function by the free parameters."""
+    moves = np.diag(STEP * np.maximum(np.abs(parameters), 1e-2))[free]
+    return np.array([(function(parameters + h) - function(parameters - h)) / (2 * h.sum()) for h in moves])
+
+
 def _fitted(start: Floats, free: Flags, places: Floats, scan: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Return the best parameters from a start on, and the sum of squared residuals (3,) of each signal."""
+    """Return the fitted parameters, and the sum of squared residuals (3,) of each signal."""
     used = weights > 0
 
     def rest(values: Floats) -> Floats:
@@ -138,24 +140,20 @@ def _fitted(start: Floats, free: Flags, places: Floats, scan: Floats, weights: F
     return best, np.asarray(((_read(best, places) - scan) ** 2).sum(axis=1))
 
 
-def _weights(left: Floats, used: Flags) -> Floats:
-    """Return the weights of the signals from their residuals ``left`` (3,)."""
-    least = SUREST * float(left[used].max())
-    return np.asarray(np.sqrt(least / np.maximum(left, least))) if least > 0 else np.ones(left.size)
+def _weights(squares: Floats, used: Flags) -> Floats:
+    """Return the weights of the signals from their sums of squared residuals (3,)."""
+    least = LEAST_VARIANCE * float(squares[used].max())
+    return np.asarray(np.sqrt(least / np.maximum(squares, least))) if least > 0 else np.ones(squares.size)
 
 
 def _covariance(parameters: Floats, free: Flags, places: Floats, scan: Floats, used: Flags) -> Floats:
     """Return the covariance of the parameters, from the residuals of each signal."""
-    left = ((_read(parameters, places) - scan) ** 2).sum(axis=1)
-    weights = _weights(left, used) * used
-    step = STEP * np.maximum(np.abs(parameters), 1e-2)
-    slope = np.array([
-        (_read(parameters + h, places) - _read(parameters - h, places)).ravel() / (2 * h.sum())
-        for h in np.diag(step)[free]
-    ])  # fmt: skip
+    squares = ((_read(parameters, places) - scan) ** 2).sum(axis=1)
+    weights = _weights(squares, used) * used
+    slope = _derivatives(lambda one: _read(one, places).ravel(), parameters, free)
     slope *= np.repeat(weights, places.size)
     count = int(used.sum()) * places.size
-    variance = float((weights**2 * left).sum()) / max(count - slope.shape[0], 1)
+    variance = float((weights**2 * squares).sum()) / max(count - slope.shape[0], 1)
     size = np.sqrt((slope * slope).sum(axis=1))
     size[size == 0] = 1.0
     spread = np.linalg.pinv((slope / size[:, None]) @ (slope / size[:, None]).T) / np.outer(size, size)
@@ -165,24 +163,23 @@ def _covariance(parameters: Floats, free: Flags, places: Floats, scan: Floats, u
 
 
 def _amplitudes(places: Floats, scan: Floats, shape: Floats, terms: int, used: Flags) -> Floats:
-    """Return the parameters with these four, the others by linear least squares."""
+    """Return the parameters with the given first four, and the others by linear least squares."""
     columns = np.eye(3 + 2 * terms)
     table = np.array([_read(np.concatenate([shape, column]), places)[used].ravel() for column in columns]).T
     return np.concatenate([shape, np.linalg.lstsq(table, scan[used].ravel(), rcond=None)[0]])
 
 
 def _start(scan: Floats, angle: float, used: Flags) -> tuple[float, float]:
-    """Return the place and the depth, in samples, of the half-space that is nearest to the scan."""
+    """Return the place and the depth, in samples, of the half-space that fits the scan best."""
     count = scan.shape[1]
     at, best = np.arange(count, dtype=np.float64), (np.inf, 0.0, 1.0)
     for depth in np.geomspace(0.5, count, WIDTHS):
         reach = np.arange(-count + 1, count) / depth
         shape = (reach**2 - 2) * (1 + reach**2) ** -2.5  # the stress peaks at the same place
-        alike = np.abs(
-            fftconvolve(scan[2], shape[::-1], mode="valid")
-        )  # direct convolution of a long scan takes seconds
+        # direct convolution of a long scan takes seconds
+        alike = np.abs(fftconvolve(scan[2], shape[::-1], mode="valid"))
         place = float(alike.argmax())
         near = _amplitudes(at, scan, np.array([place, depth, angle, 0.0]), 1, used)
-        left = float(((_read(near, at) - scan)[used] ** 2).sum())
-        best = min(best, (left, place, float(depth)))
+        squares = float(((_read(near, at) - scan)[used] ** 2).sum())
+        best = min(best, (squares, place, float(depth)))
     return best[1:]

@@ -17,7 +17,7 @@ LEAST = 11
 SURE = 5.0
 """Least ratio of beta_ns to its standard deviation."""
 BEYOND = 0.6
-"""Least reach [depths] of the scan on either side of the taxel: the extrema of the shear are at half a depth."""
+"""Least length [depths] of the scan on either side of the taxel: the extrema of the shear are at half a depth."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Sensitivity:
 
 
 def beta_from_scan(shear: ArrayLike, normal: ArrayLike) -> Sensitivity:
-    """Return beta_ns from a scan with a constant normal load along y = 0, right over the taxel.
+    """Return beta_ns from a scan with a constant normal load along y = 0, over the taxel.
 
         beta_ns = (|S_n|max / |T_x|max) / (25 sqrt(5) / 24)
 

@@ -10,14 +10,14 @@ from tactile.core.frame import NORMAL, Quantity, TaxelArray
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
 PARTS = 10
-"""Parts of the tare whose means are compared: noise of single frames is no movement."""
+"""Parts of the tare whose means are compared: averages suppress the noise of single frames."""
 LARGE = 4.0
-"""Dead bands of one taxel from which an offset may be a load, and a change is a movement."""
+"""Limit of one taxel [dead bands]: a larger offset may be a load, a larger change is a movement."""
 BOTH = 2.0
-"""Dead bands from which a change of two taxels is a movement."""
+"""Limit of two taxels [dead bands]: larger changes of both are a movement."""
 SPREAD = 3.0
-"""Dead bands, times the root of the number of taxels, from which a sum of offsets may be a load: offsets have either
-sign."""
+"""Limit of the sum of offsets [dead bands times the root of the number of taxels]: offsets have random signs, loads
+the same."""
 UNITS: dict[Quantity, tuple[float, str]] = {"force": (1.0, "N"), "strain": (1e3, "‰"), "stress": (1e-3, "kPa")}
 """Factor and unit for display."""
 CURE = "record some frames with nothing touching first, or choose --tare N (0 for none)"
@@ -27,11 +27,10 @@ CURE = "record some frames with nothing touching first, or choose --tare N (0 fo
 class TareCheck:
     """Offset that a tare subtracted from one finger, in the unit of the array's quantity.
 
-    ``frames`` averaged over ``seconds`` [s]; ``normal``: the pressing of all taxels together, ``shear``: the length of
-    their shear together, ``largest``: the largest component of a single taxel, over its dead band; ``moved``: largest
-    change of a component of a taxel between tenths of the tare; ``below``: by how much the sum of later readings fell
-    below the tare, which shows that the finger was pressed; ``loaded`` and ``moving``: whether these exceed usual
-    offsets and noise.
+    ``frames`` averaged over ``seconds`` [s]; ``normal``: sum of the pressing of all taxels; ``shear``: length of the
+    sum of their shear; ``largest``: largest component of a taxel over its dead band; ``moved``: largest change of a
+    component between tenths of the tare; ``below``: by how much the sum of later readings is below the tare, which
+    shows that the finger was pressed; ``loaded`` and ``moving``: whether these exceed usual offsets and noise.
     """
 
     finger: str
@@ -50,7 +49,7 @@ class TareCheck:
     @property
     def words(self) -> str:
         """The subtracted offset and the warning, in one line."""
-        what = f"{self.amount} taken away, the mean of {self.frames} frames ({self.seconds:.3g} s)"
+        what = f"{self.amount} subtracted, the mean of {self.frames} frames ({self.seconds:.3g} s)"
         return what if not self.warning else f"{what}; {self.warning}"
 
     @property
@@ -60,14 +59,14 @@ class TareCheck:
 
     @property
     def warning(self) -> str:
-        """What is wrong, and what to do; empty if nothing is."""
+        """The fault and its remedy; empty if there is none."""
         found = []
         if self.below:
-            found.append(f"pressed meanwhile: later readings fall {self._measure(self.below)} below it")
+            found.append(f"pressed during the tare: later readings fall {self._measure(self.below)} below it")
         elif self.loaded:
-            found.append("loaded meanwhile, or an offset of that size")
+            found.append("loaded during the tare, or an offset of that size")
         if self.moving:
-            found.append(f"moving meanwhile, a taxel by {self._measure(self.moved)}")
+            found.append(f"moving during the tare, a taxel by {self._measure(self.moved)}")
         warning = f"{' and '.join(found)}: {CURE}" if found else ""
         if not self.late:
             return warning

@@ -16,13 +16,13 @@ TIMES = "from_s", "to_s"
 FORCES = "q_n", "r_n", "f_n"
 PLACE = "x_mm", "y_mm"
 MOVES = 0.05
-"""Share of the largest reading by which the two halves of an interval may differ."""
+"""Largest difference of the two halves of an interval, over the largest reading."""
 
 
 def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
     """Return the intervals (n, 2) [s] and the loads of a table, one a row.
 
-    Columns: ``from_s``, ``to_s``; ``grams`` or ``f_n``; ``q_n``, ``r_n`` where there is shear; ``x_mm``, ``y_mm``.
+    Columns: ``from_s``, ``to_s``; ``grams`` or ``f_n``; optionally ``q_n``, ``r_n`` and ``x_mm``, ``y_mm``.
 
     Raises:
         InputError: no such file, an unknown or missing column, a cell that is no number, times that do not grow.
@@ -36,7 +36,7 @@ def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
     known = {*TIMES, *FORCES, *PLACE, "grams"}
     if not {*TIMES} <= {*names} or not {*names} <= known or ("grams" in names) == ("f_n" in names):
         raise InputError(
-            f"{path}: columns {', '.join(names)}; from_s, to_s, one of grams and f_n, and if need be q_n, r_n, x_mm,"
+            f"{path}: columns {', '.join(names)}; from_s, to_s, one of grams and f_n, and optionally q_n, r_n, x_mm,"
             " y_mm wanted"
         )
     if not rows or (("x_mm" in names) != ("y_mm" in names)):
@@ -84,6 +84,6 @@ def steady_means(t: Floats, values: Floats, times: Floats, where: str) -> Floats
         error = np.nanstd(use, axis=0) / np.sqrt(len(use))
         far = np.abs(second - first) - 6 * error
         if far.max() > MOVES * np.abs(use).max():
-            raise InputError(f"{name}: the readings move by {far.max():.3g}; a load that lies still meanwhile wanted")
+            raise InputError(f"{name}: the readings move by {far.max():.3g}; a constant load wanted")
         means.append(np.nanmean(use, axis=0))
     return np.array(means)

@@ -1,4 +1,4 @@
-"""tactile calibrate as a user types it, and its file in a run."""
+"""Command `tactile calibrate`, and its file in a run."""
 
 import json
 from pathlib import Path
@@ -41,7 +41,7 @@ def invoke(*words: str | Path) -> Result:
 
 
 def located(folder: Path, *words: str | Path) -> Floats:
-    """(n, 4) x, y, force and time of what ``tactile run`` locates with INSIDE."""
+    """Return x, y, force and time (n, 4) of the INSIDE loads of ``tactile run``."""
     done = invoke("run", folder / "grasp.toml", "-o", folder / "out", *words)
     assert done.exit_code == 0, done.output
     table: Any = np.genfromtxt(folder / "out" / "frames.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
@@ -55,11 +55,11 @@ def test_calibrate_then_run(tmp_path: Path) -> None:
     scan_words = ("calibrate", tmp_path / "scan.toml", "--speed-mm-s", "0.5", "--load-n", "0.02")
     done = invoke(*scan_words, "-o", tmp_path / "skin.toml", "--json")
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert told["taxel"] == [1, 1]
-    assert 1.1 < told["beta_ns"] < 1.25  # a layer of twice the depth
+    printed = json.loads(done.stdout)
+    assert printed["taxel"] == [1, 1]
+    assert 1.1 < printed["beta_ns"] < 1.25  # a layer of twice the depth
     made: Any = load_calibration(tmp_path / "skin.toml")
-    assert told["depth_mm"] == pytest.approx(made.depth * 1e3)
+    assert printed["depth_mm"] == pytest.approx(made.depth * 1e3)
     shown = invoke(*scan_words).output
     for word in ("taxel (1, 1), 101 frames", "beta_ns 1.1", "of the nominal one", "radial correction to"):
         assert word in shown
@@ -75,11 +75,11 @@ def test_calibrate_then_run(tmp_path: Path) -> None:
     assert off[1][1] < 0.04 < off[0][1]
 
 
-def test_mistakes_are_told_without_a_traceback(tmp_path: Path) -> None:
+def test_mistakes_are_reported_without_a_traceback(tmp_path: Path) -> None:
     path = tmp_path / "scan.toml"
     path.write_text(SCENE.format(start=0.25, stop=1.255, y=0.85), encoding="utf-8")
-    for words, says in (
-        (("calibrate", path, "--speed-mm-s", "0.5", "--load-n", "0.02"), "beside the taxel"),
+    for words, message in (
+        (("calibrate", path, "--speed-mm-s", "0.5", "--load-n", "0.02"), "next to the taxel"),
         (("calibrate", tmp_path / "no.csv", "--speed-mm-s", "1", "--load-n", "1"), "no scene or recording"),
         (
             ("calibrate", path, "--speed-mm-s", "0.5", "--load-n", "0.02", "--tare", "500"),
@@ -91,5 +91,5 @@ def test_mistakes_are_told_without_a_traceback(tmp_path: Path) -> None:
     ):
         done = invoke(*words)
         assert done.exit_code == 2
-        assert says in done.output
+        assert message in done.output
         assert "Traceback" not in done.output

@@ -26,13 +26,13 @@ MODULUS = 2.4e6
 
 
 def sensor(random: np.random.Generator, cross: float = 0.1) -> Floats:
-    """Matrices (2, 2, 3, 3) from readings to force: gains that differ by some tenths, and cross-talk."""
+    """Return matrices (2, 2, 3, 3) from readings to force, with different gains and cross-talk."""
     own = np.eye(3) * random.uniform(0.7, 1.4, (2, 2, 3, 1)) * [2e-3, 2e-3, 5e-3]
     return np.asarray(own + random.normal(size=(2, 2, 3, 3)) * cross * 2e-3)
 
 
 def pressed(random: np.random.Generator, matrix: Floats, count: int, noise: float = 0.0) -> tuple[Floats, Floats]:
-    """Readings (count, 2, 2, 3) of weights that lie somewhere, and their forces (count, 3)."""
+    """Return readings (count, 2, 2, 3) of weights at random places, and their forces (count, 3)."""
     forces = np.column_stack([random.normal(size=(count, 2)) * 0.4, random.uniform(0.5, 3, count)])
     share = random.dirichlet(np.ones(4), count).reshape(count, 2, 2, 1)
     mine = share * forces[:, None, None] + random.normal(size=(count, 2, 2, 3)) * 0.1 * (share - 0.25)
@@ -61,7 +61,7 @@ def test_deviations_are_those_of_the_errors() -> None:
     assert np.sqrt(np.mean(np.square(off))) == pytest.approx(1, abs=0.1)
 
 
-def test_simpler_models_want_fewer_loads() -> None:
+def test_simpler_models_need_fewer_loads() -> None:
     random = np.random.default_rng(3)
     matrix = sensor(random, cross=0.0)
     readings, forces = pressed(random, matrix, 6)
@@ -75,48 +75,40 @@ def test_simpler_models_want_fewer_loads() -> None:
     np.testing.assert_allclose(made.matrix, same, rtol=1e-8, atol=1e-12)
 
 
-def test_what_the_loads_do_not_tell_is_refused() -> None:
+def test_undetermined_gains_are_refused() -> None:
     random = np.random.default_rng(4)
     matrix = sensor(random)
     readings, _ = pressed(random, matrix, 40)
-    readings[:, 1, 0] = 0  # nothing ever lies on this one
+    readings[:, 1, 0] = 0  # never loaded
     forces = (matrix @ readings[..., None])[..., 0].sum(axis=(1, 2)) + random.normal(size=(40, 3)) * 0.01
     readings[:, 1, 0] = random.normal(size=(40, 3))
-    with pytest.raises(InputError, match=r"taxel \(1, 0\): . gain .*loads that it feels"):
+    with pytest.raises(InputError, match=r"taxel \(1, 0\): . gain .*loads on it along"):
         calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "matrix")
     readings[:, 1, 0] = 0
-    with pytest.raises(InputError, match="tell 9 of 12 coefficients"):
+    with pytest.raises(InputError, match="determine 9 of 12 coefficients"):
         calibrate_loads(readings, KnownLoads(forces, None), PAD, None, "matrix")
-
-
-def test_strain_taxels_are_calibrated_by_loads_at_known_places() -> None:
-    random = np.random.default_rng(5)
-    matrix = sensor(random)
-    loads = np.column_stack([random.uniform(-1e-3, 1e-3, (30, 2)), random.normal(size=(30, 3)) * 0.2 + [0, 0, 1]])
-    strain = np.array([point_load_strain(SKIN.positions(), SKIN.depth, [load], MODULUS) for load in loads])
-    readings = np.linalg.solve(matrix, strain[..., None])[..., 0]
-    known = KnownLoads(loads[:, 2:], loads[:, :2])
-    made = calibrate_loads(readings, known, SKIN, MODULUS, "matrix")
-    np.testing.assert_allclose(made.matrix, matrix, rtol=1e-8, atol=1e-11)
-    with pytest.raises(InputError, match="x and y wanted"):
-        calibrate_loads(readings, known._replace(places=None), SKIN, MODULUS, "matrix")
 
 
 @pytest.mark.parametrize("model", ["gains", "matrix", "common"])
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
-def test_noise_of_the_readings_does_not_shrink_gains(quantity: Quantity, model: Model) -> None:
-    """Fitted the other way round, to noisy readings, they would be smaller by 1 % and more, and far more at 3 %."""
+def test_loads_at_known_places_give_the_gains_with_and_without_noise(quantity: Quantity, model: Model) -> None:
+    """A fit of the signals to the noisy readings would reduce them by more than 1 %."""
     random, skin = np.random.default_rng(8), replace(SKIN, quantity=quantity)
     true = np.diag([1.8, 1.8, 1.25]) + (0.0 if model == "gains" else random.normal(size=(3, 3)) * 0.1)
     off, own = [], []
-    felt = point_load_strain if quantity == "strain" else point_load_stress
+    field = point_load_strain if quantity == "strain" else point_load_stress
     more = (MODULUS,) if quantity == "strain" else ()
     loads = np.column_stack([random.uniform(-1e-3, 1e-3, (60, 2)), random.normal(size=(60, 3)) * 0.2 + [0, 0, 0.7]])
-    signals = np.array([felt(skin.positions(), skin.depth, [load], *more) for load in loads])
+    signals = np.array([field(skin.positions(), skin.depth, [load], *more) for load in loads])
     readings = np.linalg.solve(true, signals[..., None])[..., 0]
+    known = KnownLoads(loads[:, 2:], loads[:, :2])
+    exact = calibrate_loads(readings, known, skin, MODULUS, model)
+    np.testing.assert_allclose(exact.matrix, np.broadcast_to(true, (2, 2, 3, 3)), rtol=1e-8, atol=1e-11)
+    with pytest.raises(InputError, match="x and y wanted"):
+        calibrate_loads(readings, known._replace(places=None), skin, MODULUS, model)
     for _ in range(40):
         noisy = readings + random.normal(size=readings.shape) * 0.02 * np.abs(readings).max()
-        made = calibrate_loads(noisy, KnownLoads(loads[:, 2:], loads[:, :2]), skin, MODULUS, model)
+        made = calibrate_loads(noisy, known, skin, MODULUS, model)
         off.append((made.matrix - true)[..., [0, 1, 2], [0, 1, 2]] / np.diag(true))
         own.append(made.sigma[..., [0, 1, 2], [0, 1, 2]] / np.diag(true))
     bias, scatter = np.mean(off, axis=(0, 1, 2)), np.std(off, axis=0)
@@ -125,7 +117,7 @@ def test_noise_of_the_readings_does_not_shrink_gains(quantity: Quantity, model: 
 
 
 def recorded(folder: Path, matrix: Floats) -> tuple[Path, Path]:
-    """A recording of weights on the pad after a second of nothing, and the table that says when they lay there."""
+    """Write a recording of weights on the pad after a second without load, and the table of their times."""
     random = np.random.default_rng(6)
     readings, forces = pressed(random, matrix, 30)
     frames, table = [], ["from_s,to_s,q_n,r_n,grams"]
@@ -145,50 +137,50 @@ def recorded(folder: Path, matrix: Floats) -> tuple[Path, Path]:
 def test_weights_through_the_command_line(tmp_path: Path) -> None:
     matrix = sensor(np.random.default_rng(7))
     scan, weights = recorded(tmp_path, matrix)
-    said = call("calibrate", scan, "--weights", weights, "--tare", 100, "-o", tmp_path / "pad.toml")
-    assert said.exit_code == 0, said.output
-    assert "30 loads, 2 x 2 taxels of force" in said.stdout
+    done = call("calibrate", scan, "--weights", weights, "--tare", 100, "-o", tmp_path / "pad.toml")
+    assert done.exit_code == 0, done.output
+    assert "30 loads, 2 x 2 taxels of force" in done.stdout
     made = load_calibration(tmp_path / "pad.toml")
     assert isinstance(made, TaxelGains)
     assert (np.abs(made.matrix - matrix) < 5 * made.sigma + 1e-12).all()
-    told = json.loads(call("calibrate", scan, "--weights", weights, "--tare", 100, "--json").stdout)
-    np.testing.assert_allclose(told["matrix"], made.matrix)
-    np.testing.assert_allclose(told["sigma"], made.sigma)
+    printed = json.loads(call("calibrate", scan, "--weights", weights, "--tare", 100, "--json").stdout)
+    np.testing.assert_allclose(printed["matrix"], made.matrix)
+    np.testing.assert_allclose(printed["sigma"], made.sigma)
     run: Any = call("run", scan, "--calibration", tmp_path / "pad.toml", "--tare", 100, "-o", tmp_path / "out")
     assert run.exit_code == 0, run.output
     table: Any = np.genfromtxt(tmp_path / "out" / "frames.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
-    lain = np.genfromtxt(weights, delimiter=",", names=True)
-    for one in lain[:5]:
-        held = (table["t_s"] > one["from_s"]) & (table["t_s"] < one["to_s"])
-        assert table["load_f_n"][held].mean() == pytest.approx(one["grams"] * 9.80665e-3, rel=5e-3)
-        assert table["load_q_n"][held].mean() == pytest.approx(one["q_n"], abs=5e-3)
+    loads = np.genfromtxt(weights, delimiter=",", names=True)
+    for one in loads[:5]:
+        during = (table["t_s"] > one["from_s"]) & (table["t_s"] < one["to_s"])
+        assert table["load_f_n"][during].mean() == pytest.approx(one["grams"] * 9.80665e-3, rel=5e-3)
+        assert table["load_q_n"][during].mean() == pytest.approx(one["q_n"], abs=5e-3)
     live = Settings().calibrated(made, (PAD,))
     assert live.gains is made
     with pytest.raises(InputError, match=r"2 x 2 taxels of force for taxel array 'skin'"):
         Settings().calibrated(made, (SKIN,))
 
 
-def test_what_is_wrong_with_a_table_is_said_in_one_line(tmp_path: Path) -> None:
+def test_wrong_tables_are_refused_in_one_line(tmp_path: Path) -> None:
     scan, weights = recorded(tmp_path, sensor(np.random.default_rng(7)))
     text = weights.read_text(encoding="utf-8")
-    for changed, said in (
+    for changed, message in (
         (text.replace("grams", "pounds"), "one of grams and f_n"),
         (text.replace("\n1.020,", "\none,"), "line 2: from_s 'one', a number wanted"),
         (text.replace("\n1.020,1.180", "\n1.020,0.9"), "an end after its start wanted"),
-        (text.replace("\n1.020,1.180", "\n1.020,1.380"), "a load that lies still"),
+        (text.replace("\n1.020,1.180", "\n1.020,1.380"), "a constant load wanted"),
         (text.replace("\n1.020,1.180", "\n91.020,91.180"), "0 frames, at least 2"),
         ("from_s,to_s,grams\n", "0 loads"),
     ):
         weights.write_text(changed, encoding="utf-8")
         refused = call("calibrate", scan, "--weights", weights, "--tare", 100)
         assert refused.exit_code == 2
-        assert said in refused.output
+        assert message in refused.output
     assert call("calibrate", scan).exit_code == 2
     assert call("calibrate", scan, "--weights", weights, "--load-n", 1).exit_code == 2
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "match"),
     [
         ("rows = 2", "rows = 3", "4 \\[\\[taxel\\]\\] of 3 x 2"),
         ("at = [0, 1]", "at = [0, 0]", "that is not there before"),
@@ -197,7 +189,7 @@ def test_what_is_wrong_with_a_table_is_said_in_one_line(tmp_path: Path) -> None:
         ("matrix = [[", "matrix = [[1], [", "three rows of three numbers"),
     ],
 )
-def test_files_of_taxel_gains_are_checked(old: str, new: str, said: str, tmp_path: Path) -> None:
+def test_files_of_taxel_gains_are_checked(old: str, new: str, match: str, tmp_path: Path) -> None:
     made = TaxelGains(np.broadcast_to(np.eye(3), (2, 2, 3, 3)), np.zeros((2, 2, 3, 3)), "force")
     path = tmp_path / "pad.toml"
     write_taxel_gains(path, made)
@@ -205,5 +197,5 @@ def test_files_of_taxel_gains_are_checked(old: str, new: str, said: str, tmp_pat
     assert isinstance(again, TaxelGains)
     np.testing.assert_array_equal(again.matrix, made.matrix)
     path.write_text(path.read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=match):
         load_calibration(path)

@@ -15,7 +15,7 @@ DEPTH = 2e-4
 
 
 def scan(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n, 3) strains of a taxel at the origin, 20 mN standing at (x, 0) for every x [depths]."""
+    """Return strains (n, 3) of a taxel at the origin, under 20 mN at (x, 0) for every x [depths]."""
     loads = np.zeros((places.size, 1, 5))
     loads[:, 0, 0], loads[:, 0, 4] = places * DEPTH, 0.02
     return point_load_strain((0.0, 0.0), DEPTH, loads, 2.4e6)
@@ -23,7 +23,7 @@ def scan(places: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("per_depth", [20, 40, 200])
 @pytest.mark.parametrize("beta", [1.0, 1.46, 0.5])
-def test_equation_18_where_samples_hit_the_extrema(per_depth: int, beta: float) -> None:
+def test_equation_18_with_samples_at_the_extrema(per_depth: int, beta: float) -> None:
     strain = scan(np.arange(-3 * per_depth, 3 * per_depth + 1) / per_depth)
     # the sensor's readings: T = u / alpha with alpha = (beta, beta, 1)
     got = beta_from_scan(strain[:, 0] / beta, strain[:, 2]).beta
@@ -41,26 +41,22 @@ def test_ratio_of_the_extrema_is_the_papers_constant() -> None:
 
 
 @pytest.mark.parametrize("spacing", [0.05, 0.1, 0.2])
-def test_cost_of_samples_beside_the_extrema(spacing: float) -> None:
+def test_equation_18_with_samples_next_to_the_extrema(spacing: float) -> None:
     for shift in np.linspace(0, 1, 11):
         strain = scan((np.arange(-40, 41) + shift) * spacing)
         assert abs(beta_from_scan(strain[:, 0], -strain[:, 2]).beta - 1) < 1e-9
 
 
-def test_an_offset_of_the_shear_signal_drops_out() -> None:
+@pytest.mark.parametrize(("sign", "offset"), [(1, 1e-3), (-1, 0.0)])
+def test_offset_and_sign_of_the_shear(sign: int, offset: float) -> None:
     strain = scan(np.arange(-80, 81) / 20)
-    assert beta_from_scan(strain[:, 0] + 1e-3, strain[:, 2]).beta == pytest.approx(1, rel=1e-12)
-
-
-def test_shear_that_is_wired_the_other_way_round_is_told() -> None:
-    strain = scan(np.arange(-80, 81) / 20)
-    assert beta_from_scan(-strain[:, 0], strain[:, 2]).beta == pytest.approx(-1, rel=1e-12)
+    assert beta_from_scan(sign * strain[:, 0] + offset, strain[:, 2]).beta == pytest.approx(sign, rel=1e-12)
 
 
 @pytest.mark.parametrize("level", [0.01, 0.03])
 @pytest.mark.parametrize("count", [121, 1001])
 @pytest.mark.parametrize("stress", [False, True])
-def test_noise_does_not_bias_beta_and_is_known(count: int, level: float, stress: bool) -> None:
+def test_noise_does_not_bias_beta_and_sigma_is_right(count: int, level: float, stress: bool) -> None:
     random, found, wanted = np.random.default_rng(count), [], 1.5 if stress else 1.0  # the extrema of eq. (10)
     for _ in range(60):
         places = np.linspace(-4, 4, count) + random.uniform(-0.1, 0.1)
@@ -76,8 +72,8 @@ def test_noise_does_not_bias_beta_and_is_known(count: int, level: float, stress:
 
 
 @pytest.mark.parametrize("thickness", [1.5, 2.0, 4.0])
-def test_a_skin_that_is_no_half_space_gives_its_own_extrema(thickness: float) -> None:
-    """The extrema of the dense scan itself, by its largest samples."""
+def test_extrema_of_a_layer(thickness: float) -> None:
+    """Against the largest samples of a dense scan."""
     x = np.arange(-400, 401) / 100
     loads = np.array([[[place * DEPTH, 0.0, 0.0, 0.0, 0.02]] for place in x])
     here, skin = np.zeros(2), Medium(2.4e6, 0.5, "strain")
@@ -86,7 +82,7 @@ def test_a_skin_that_is_no_half_space_gives_its_own_extrema(thickness: float) ->
     assert beta_from_scan(strain[::4, 0], strain[::4, 2]).beta == pytest.approx(wanted, rel=5e-3)
 
 
-def test_scans_that_cannot_tell_are_refused() -> None:
+def test_scans_without_extrema_are_refused() -> None:
     strain = scan(np.arange(0, 81) / 20)  # starts above the taxel
     with pytest.raises(InputError, match="beyond every extremum"):
         beta_from_scan(strain[:, 0], strain[:, 2])

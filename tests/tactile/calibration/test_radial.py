@@ -1,4 +1,4 @@
-"""Radial correction of located loads: closed forms as truth, and scans that are refused."""
+"""Radial correction of located loads: closed forms, and refused scans."""
 
 import numpy as np
 import pytest
@@ -27,26 +27,26 @@ def strain(places: Floats) -> Floats:
 
 
 def located(readings: Floats, depth: float = DEPTH) -> tuple[Floats, Floats]:
-    """(n, 2) places and (n,) forces."""
+    """Return places (n, 2) and forces (n,)."""
     x, y, z = readings.T
     dx, dy, force, _ = invert_strain(x, y, z, depth, MODULUS, 0.0, 1)
     return np.array([dx, dy]).T, np.asarray(force)
 
 
 def disc(n: int, reach: float) -> Floats:
-    """n places spread evenly over a circle: a sunflower."""
+    """Return n places spread evenly over a disc (sunflower)."""
     k = np.arange(1, n + 1)
     rho, turn = reach * np.sqrt(k / n), k * np.pi * (3 - np.sqrt(5))
     return np.stack([rho * np.cos(turn), rho * np.sin(turn)], axis=-1)
 
 
 def bent(places: Floats) -> tuple[Floats, Floats]:
-    """What a strain inverse makes of a taxel that feels stress."""
+    """Return the places and forces by a strain inverse of a taxel that measures stress."""
     return located(Gains(1.5, 1.0)(point_load_stress((0.0, 0.0), DEPTH, loads(places)) / MODULUS))
 
 
 def true_of(found: Floats) -> tuple[Floats, Floats]:
-    """Closed form: the true radius and force factor of a located radius, feeling stress; lengths in depths."""
+    """Return the true radius and force factor of a located radius [depths] for measured stress, in closed form."""
     true = 2 * found / (2 - found**2)
     return true, (2 - found**2) / 2 * ((1 + true**2) / (1 + found**2)) ** 2.5
 
@@ -69,7 +69,7 @@ def test_a_radial_correction_tends_to_the_closed_form() -> None:
     assert (middle < coarse / 2).all()
 
 
-def test_an_exact_map_stays_as_it_is() -> None:
+def test_an_exact_map_is_unchanged() -> None:
     places = disc(500, 2e-4)
     seen, forces = located(strain(places))
     correction = radial_from_scan(seen, places, forces, FORCE, 8)
@@ -79,7 +79,7 @@ def test_an_exact_map_stays_as_it_is() -> None:
     assert force == pytest.approx(np.full(use.sum(), FORCE), rel=1e-12)
 
 
-def test_what_has_no_answer_gets_none_and_what_was_not_measured_is_invalid() -> None:
+def test_answers_beyond_the_measured_radius_are_invalid() -> None:
     correction = RadialCorrection((0, 1, 2), (0, 2, 3), (1.0, 1.5, 2.0))
     at = np.array([0.0, 1.0, 2.0, 2.1, 0.0, 0.5])
     given = np.array([Validity.INSIDE, Validity.INSIDE, Validity.OUTSIDE, 1, Validity.NO_LOAD, Validity.INVALID], float)
@@ -105,42 +105,51 @@ def test_noise_of_the_scan_averages_out() -> None:
     assert np.abs(force / FORCE - 1).max() < 0.02
 
 
-def test_scans_that_cannot_correct_are_refused() -> None:
-    places = disc(300, 2e-4)
-    seen, forces = located(strain(places))
-    with pytest.raises(InputError, match="at least 3 in every ring"):
-        radial_from_scan(seen[:10], places[:10], forces[:10], FORCE, 8)
-    beside = places + np.array([5e-4, 0])  # a scan that misses the taxel
-    elsewhere, felt = located(strain(beside))
-    with pytest.raises(InputError, match=r"0 answers from 0 to .* um from the taxel"):
-        radial_from_scan(elsewhere, beside, felt, FORCE, 8)
-    noise, pressed = located(np.random.default_rng(2).normal(0, 1e-3, (300, 3)))
-    with pytest.raises(InputError, match="grows beyond its noise"):
-        radial_from_scan(noise, places, pressed, FORCE, 8)
-    folded = places * (1 - (np.hypot(*places.T) / 2.5e-4) ** 2)[:, None]
-    with pytest.raises(InputError, match=r"located .* um from the taxel after .* um, where the needle was"):
-        radial_from_scan(folded, places, forces, FORCE, 8)
-    with pytest.raises(InputError, match="one that presses"):
-        radial_from_scan(seen, places, -forces, FORCE, 8)
-    with pytest.raises(InputError, match="0 rings"):
-        radial_from_scan(seen, places, forces, FORCE, 0)
-    with pytest.raises(InputError, match=r"\(299, 2\)"):
-        radial_from_scan(seen[1:], places, forces, FORCE, 8)
-    with pytest.raises(InputError, match="not finite"):
-        radial_from_scan(np.where(seen > 1e-4, np.inf, seen), places, forces, FORCE, 8)
-    with pytest.raises(InputError, match="answers from 0"):
-        radial_from_scan(np.zeros((9, 2)), np.zeros((9, 2)), np.ones(9), FORCE, 1)
-    with pytest.raises(InputError, match="growing ones from 0"):
-        RadialCorrection((0, 2, 1), (0, 1, 2), (1, 1, 1))
-    with pytest.raises(InputError, match="equally many"):
-        RadialCorrection((0, 1), (0, 1), (1,))
-    for factor in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(InputError, match="positive ones wanted"):
-            RadialCorrection((0, 1), (0, 1), (1, factor))
+PLACES = disc(300, 2e-4)
+SEEN, FORCES = located(strain(PLACES))
+BESIDE = PLACES + np.array([5e-4, 0])
+NOISE, PRESSED = located(np.random.default_rng(2).normal(0, 1e-3, (300, 3)))
+FOLDED = PLACES * (1 - (np.hypot(*PLACES.T) / 2.5e-4) ** 2)[:, None]
 
 
-def test_one_taxel_alone_takes_no_far_load_for_a_pull_near_it() -> None:
-    """A load that presses beyond the scan, at 2.2 depths: a pull at 0.9 depths would read the same."""
+@pytest.mark.parametrize(
+    ("seen", "places", "forces", "rings", "match"),
+    [
+        (SEEN[:10], PLACES[:10], FORCES[:10], 8, "at least 3 in every ring"),
+        (*(located(strain(BESIDE))[0], BESIDE, FORCES), 8, "0 answers from 0 to .* um from the taxel"),
+        (NOISE, PLACES, PRESSED, 8, "grows beyond its noise"),
+        (FOLDED, PLACES, FORCES, 8, "located .* um from the taxel after .* um, where the needle was"),
+        (SEEN, PLACES, -FORCES, 8, "one that presses"),
+        (SEEN, PLACES, FORCES, 0, "0 rings"),
+        (SEEN[1:], PLACES, FORCES, 8, r"\(299, 2\)"),
+        (np.where(SEEN > 1e-4, np.inf, SEEN), PLACES, FORCES, 8, "not finite"),
+        (np.zeros((9, 2)), np.zeros((9, 2)), np.ones(9), 1, "answers from 0"),
+    ],
+)
+def test_scans_that_cannot_correct_are_refused(
+    seen: Floats, places: Floats, forces: Floats, rings: int, match: str
+) -> None:
+    with pytest.raises(InputError, match=match):
+        radial_from_scan(seen, places, forces, FORCE, rings)
+
+
+@pytest.mark.parametrize(
+    ("found", "true", "force", "match"),
+    [
+        ((0, 2, 1), (0, 1, 2), (1, 1, 1), "growing ones from 0"),
+        ((0, 1), (0, 1), (1,), "equally many"),
+        *(((0, 1), (0, 1), (1, factor), "positive ones wanted") for factor in (0.0, -1.0, np.nan, np.inf)),
+    ],
+)
+def test_wrong_corrections_are_refused(
+    found: tuple[float, ...], true: tuple[float, ...], force: tuple[float, ...], match: str
+) -> None:
+    with pytest.raises(InputError, match=match):
+        RadialCorrection(found, true, force)
+
+
+def test_one_taxel_does_not_locate_a_far_load_as_a_near_pull() -> None:
+    """A pressing load beyond the scan, at 2.2 depths, has the readings of a pull at 0.9 depths."""
     depth, measured = 4e-4, RadialCorrection((0.0, 4.7e-4), (0.0, 4.7e-4), (1.0, 1.0))
     array = TaxelArray("one", 1, 1, 1e-3, depth)
     finger = Finger(array, 2.4e6, Settings(radial=measured))

@@ -1,4 +1,4 @@
-"""Tares are never silent: how much was taken away, who was loaded or moving meanwhile, what to do."""
+"""Checks of tares: subtracted amount, warnings of load and movement, and their remedy."""
 
 import json
 from pathlib import Path
@@ -36,29 +36,29 @@ def readings(normal: float = 0.0, shear: float = 0.0, noise: float = 0.003, fram
     return out
 
 
-def test_small_offsets_are_told_without_a_warning() -> None:
+def test_small_offsets_are_reported_without_a_warning() -> None:
     check = checked(readings(0.05, 0.06))
     assert not check.warning
-    assert check.words == "0.05 N normal, 0.06 N shear taken away, the mean of 100 frames (0.99 s)"
+    assert check.words == "0.05 N normal, 0.06 N shear subtracted, the mean of 100 frames (0.99 s)"
 
 
-def test_a_load_is_told_with_its_size_and_what_to_do() -> None:
+def test_a_load_is_reported_with_its_size_and_remedy() -> None:
     check = checked(readings(4.2))
     assert check.loaded
     assert not check.moving
     assert "4.20 N normal" in check.words
-    assert "loaded meanwhile, or an offset of that size: record some frames with nothing touching" in check.warning
+    assert "loaded during the tare, or an offset of that size: record some frames with nothing" in check.warning
     assert "later readings fall 4.00 N below it" in check.then(-4.0, 9).warning
     assert checked(readings(0.0)).then(-0.2, 9).warning == ""
     json.dumps([check.plain(), checked(readings(0.05, 0.06)).plain()])
-    assert checked(np.full((100, 3, 3, 3), 0.1)).loaded  # nine small ones that all press are no offsets
+    assert checked(np.full((100, 3, 3, 3), 0.1)).loaded  # nine small ones of the same sign are a load
 
 
-def test_a_movement_is_told_but_one_noisy_taxel_is_none() -> None:
+def test_a_movement_is_reported_and_one_noisy_taxel_is_not() -> None:
     ramp = np.linspace(0, 1, 100)[:, None, None, None]
     check = checked(readings() + 0.3 * ramp)
     assert check.moving
-    assert "moving meanwhile, a taxel by 0.2" in check.warning
+    assert "moving during the tare, a taxel by 0.2" in check.warning
     noisy = readings()
     noisy[50:, 2, 0, 1] += 0.15
     assert not checked(noisy).warning
@@ -81,11 +81,11 @@ def recorded(path: Path, frames: list[np.ndarray]) -> Path:
     return path
 
 
-def test_a_run_says_it_in_table_json_and_record(tmp_path: Path) -> None:
+def test_a_run_reports_the_tare_in_table_json_and_record(tmp_path: Path) -> None:
     pressed = recorded(tmp_path / "r.npz", [*readings(4.2), *readings(0.0)])
     shown = call("run", pressed, "-o", tmp_path / "out")
     assert "pad: tare: 4.20 N normal" in shown.stdout
-    assert "pressed meanwhile: later readings fall 4." in " ".join(shown.stdout.split())
+    assert "pressed during the tare: later readings fall 4." in " ".join(shown.stdout.split())
     plain = call("run", pressed, "--json")
     tare = json.loads(plain.stdout)["fingers"]["pad"]["tare"]
     assert (tare["loaded"], tare["moving"], tare["unit"]) == (True, False, "N")
@@ -99,8 +99,8 @@ def test_a_run_says_it_in_table_json_and_record(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("pressed", [0.0, 1.5])
-def test_a_tare_that_comes_late_says_what_has_no_readings(pressed: float) -> None:
-    """A finger that is pressed from its first frame on, ever firmer, is tared once it is let go."""
+def test_a_late_tare_reports_the_time_without_readings(pressed: float) -> None:
+    """A finger pressed increasingly from its first frame is tared after the release."""
     noise, times = readings(frames=300), 0.01 * np.arange(300)
     noise[:, 1, 1, 2] += np.where(times < pressed, 1 + 2 * times, 0)
     frames = [Frame(0, t, n, one, np.ones((3, 3), bool)) for n, (t, one) in enumerate(zip(times, noise, strict=True))]
