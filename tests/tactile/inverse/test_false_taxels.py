@@ -1,4 +1,4 @@
-"""Located loads where taxels read nothing, the same for ever, or something that no load makes."""
+"""Located loads with dead, stuck, clipped and otherwise false taxels."""
 
 import numpy as np
 import pytest
@@ -35,8 +35,8 @@ def test_broken_and_unloaded_taxels() -> None:
         localise(array(3, 3), (none, none, none, none), None, DEPTH)
 
 
-def test_a_place_that_does_not_stand_out_is_called_ambiguous() -> None:
-    """Four taxels with unrelated strains: no load explains them, and the answer must not look sure."""
+def test_random_strains_are_ambiguous() -> None:
+    """Four taxels with unrelated strains: no load explains them."""
     at = array(2, 2)
     random = np.random.default_rng(11)
     codes = [locate(at, random.normal(size=(2, 2, 3)) * 1e-3).validity for _ in range(50)]
@@ -45,7 +45,7 @@ def test_a_place_that_does_not_stand_out_is_called_ambiguous() -> None:
 
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize("side", [2, 3, 4, 8, 16])
-def test_a_stuck_taxel_is_named_and_spoils_nothing(side: int, stress: bool) -> None:
+def test_a_stuck_taxel_is_named_and_does_not_change_the_load(side: int, stress: bool) -> None:
     random, at = np.random.default_rng(side), array(side, side)
     gross = named = 0
     for n in range(100):
@@ -78,8 +78,8 @@ def test_saturated_taxels_are_marked_and_left_out(stress: bool) -> None:
     assert found(at, signals, stress, saturated=np.ones((8, 8), bool)).validity == Validity.INVALID
 
 
-def test_a_finger_knows_its_noise_and_the_ends_of_its_range() -> None:
-    """After a quiet second with an amplifier that ends at a third of the peak: near the load, with an honest sigma."""
+def test_a_finger_measures_its_noise_and_the_ends_of_its_range() -> None:
+    """An amplifier that clips at a third of the peak: a right place with a right sigma."""
     random = np.random.default_rng(2)
     pad = TaxelArray("pad", 6, 6, PITCH, DEPTH)
     peak = float(np.abs(point_load_strain(pad.positions(), DEPTH, [(0.2e-3, 0.1e-3, 0, 0, 1)], MODULUS)).max())
@@ -100,8 +100,8 @@ def test_a_finger_knows_its_noise_and_the_ends_of_its_range() -> None:
 
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize(("side", "pitch"), [(3, 1), (4, 2), (8, 1), (8, 2)])
-def test_a_clipped_reading_that_nobody_declared_is_recognised(side: int, pitch: int, stress: bool) -> None:
-    """The amplifier ends at 0.6 of the peak: what is left there is outward, and nothing is left without it."""
+def test_an_undeclared_clipped_reading_is_recognised(side: int, pitch: int, stress: bool) -> None:
+    """The amplifier clips at 0.6 of the peak: residuals there point outwards, and vanish without these readings."""
     random, at = np.random.default_rng(side), TaxelArray("pad", side, side, pitch * PITCH, DEPTH).positions()
     off, named = [], 0
     for _ in range(20):
@@ -120,7 +120,7 @@ def test_a_clipped_reading_that_nobody_declared_is_recognised(side: int, pitch: 
 
 
 def test_a_wide_tip_is_not_clipped() -> None:
-    """A blunt tip takes from the same readings as a clipped amplifier; it is betrayed by those beside them."""
+    """A blunt tip reduces the same readings as a clipped amplifier, but changes their neighbours too."""
     at = array(8, 8)
     for x in (0.0, 2e-4, 5e-4):
         load = (4e-3 + x, -2e-3, 0.0, 0.0, 1.0)
@@ -129,8 +129,8 @@ def test_a_wide_tip_is_not_clipped() -> None:
         assert (answer.validity, answer.saturated) == (Validity.INSIDE, ())
 
 
-def test_a_taxel_that_may_be_false_or_feel_another_load_is_called_so() -> None:
-    """Four depths apart a second load is felt by one taxel: the first one's place is right, how many is not known."""
+def test_a_false_taxel_or_a_second_load_is_ambiguous() -> None:
+    """At a pitch of four depths one taxel measures the second load: the first one's place is right, the number not."""
     random, at = np.random.default_rng(1), TaxelArray("pad", 5, 5, 4 * DEPTH, DEPTH).positions()
     first, second = (0.3 * DEPTH, 0.2 * DEPTH, 0.0, 0.0, 0.4), (8.2 * DEPTH, 7.9 * DEPTH, 0.0, 0.0, 0.2)
     signals = felt(at, [first, second], True)
@@ -139,8 +139,8 @@ def test_a_taxel_that_may_be_false_or_feel_another_load_is_called_so() -> None:
     assert len(load.others) == 1 or load.validity in (Validity.AMBIGUOUS, Validity.NOT_ONE)
 
 
-def test_a_place_beside_which_others_feel_nothing_is_called_ambiguous() -> None:
-    """What viscous rubber leaves behind: one taxel reads a little pull, as of newtons many depths away."""
+def test_a_load_measured_by_one_taxel_of_a_pad_is_ambiguous() -> None:
+    """Residual strain of viscous rubber: one taxel reads a small pull, like newtons many depths away."""
     pad = TaxelArray("pad", 4, 4, 1e-3, 1e-3)
     finger = Finger(pad, 2.4e6, Settings())
     values = np.zeros((4, 4, 3))

@@ -12,7 +12,7 @@ SIDE = 32
 
 
 def scattered(count: int, apart: float, random: np.random.Generator) -> Floats:
-    """Return pressing loads on a pad of `SIDE` taxels a side, so many depths from each other."""
+    """Return pressing loads on a pad of `SIDE` taxels a side, at least ``apart`` depths from each other."""
     places: list[Floats] = []
     while len(places) < count:
         place = np.array([4e-3, -2e-3]) + random.uniform(-0.45, 0.45, 2) * SIDE * PITCH
@@ -33,7 +33,7 @@ def every(load: Load) -> list[Load]:
 
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize(("count", "apart"), [(3, 8.0), (7, 4.0), (16, 4.0)])
-def test_many_loads_are_located_each(count: int, apart: float, stress: bool) -> None:
+def test_many_loads_are_located(count: int, apart: float, stress: bool) -> None:
     random, off, sure, right = np.random.default_rng(count), 0, 0, 0
     for _ in range(4):
         loads = scattered(count, apart, random)
@@ -46,11 +46,11 @@ def test_many_loads_are_located_each(count: int, apart: float, stress: bool) -> 
             off += bool(error > 0.5 * DEPTH and near.validity in (Validity.INSIDE, Validity.OUTSIDE))
             sure += error < 4 * np.hypot(near.sigma[0], near.sigma[1])
     assert right >= 0.96 * 4 * count
-    assert not off  # who is not right says so
+    assert not off  # wrong ones are not INSIDE
     assert sure >= 0.9 * 4 * count
 
 
-def test_a_load_that_is_no_point_is_told_beside_one_that_is() -> None:
+def test_a_patch_and_a_point_are_distinguished() -> None:
     random, edge = np.random.default_rng(0), np.linspace(-2.5, 2.5, 12) * DEPTH
     patch = np.array([[14e-3 + x, 9e-3 + y, 0, 0, 0.01] for x in edge for y in edge])
     point = np.array([[-12e-3, -14e-3, 0.05, 0, 0.3]])
@@ -63,7 +63,7 @@ def test_a_load_that_is_no_point_is_told_beside_one_that_is() -> None:
     assert all(other.validity in (Validity.NOT_ONE, Validity.AMBIGUOUS) for other in rest)
 
 
-def test_a_taxel_that_reads_falsely_is_no_load() -> None:
+def test_a_false_taxel_is_not_a_load() -> None:
     random = np.random.default_rng(1)
     loads = scattered(3, 10.0, random)
     signals = noisy(loads, 0.002, random)
@@ -77,7 +77,7 @@ def test_a_taxel_that_reads_falsely_is_no_load() -> None:
     assert all(one.validity == Validity.INSIDE for one in every(load))
 
 
-def test_the_end_of_the_range_is_told_by_its_place_on_the_pad() -> None:
+def test_a_saturated_taxel_has_its_place_on_the_pad() -> None:
     random = np.random.default_rng(2)
     loads = scattered(2, 12.0, random)
     signals = noisy(loads, 0.001, random)
@@ -92,7 +92,7 @@ def test_the_end_of_the_range_is_told_by_its_place_on_the_pad() -> None:
 
 
 @pytest.mark.parametrize("part", [0.0, 0.01])
-def test_a_weak_second_load_far_away_is_found_and_none_is_made_up(part: float) -> None:
+def test_a_weak_second_load_far_away_is_found_and_no_false_one(part: float) -> None:
     random = np.random.default_rng(1)
     (one,) = scattered(1, 8.0, random)
     assert found(array(SIDE, SIDE), noisy(one[None], part, random), False).others == ()

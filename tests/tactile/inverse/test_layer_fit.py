@@ -1,4 +1,4 @@
-"""Loads on a cover whose thickness is known: places, forces and what they are worth, against the layer's integrals."""
+"""Loads on covers of known and unknown thickness: places, forces and deviations, against the layer's integrals."""
 
 from dataclasses import replace
 
@@ -7,7 +7,8 @@ import pytest
 
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity, TaxelArray
-from tactile.elastic.medium import Medium
+from tactile.elastic.layer_loads import layered_load
+from tactile.elastic.medium import Felt, Medium
 from tactile.finger import Finger
 from tactile.inverse import field_numba
 from tactile.inverse.load import Load
@@ -16,13 +17,14 @@ from tactile.settings import Settings
 from tests.kits.touch.pads import SCALE, as_row
 from tests.oracles.elastic.layer import layer_load
 from tests.oracles.elastic.localise import bound
-from tests.tactile.inverse.test_thin_cover import DEPTH
 
-MODULUS = 2.4e6
+DEPTH, MODULUS = 1e-3, 2.4e6
+GROSS = 0.3
+"""[depths]"""
 
 
 class Cover:
-    """A pad under a cover so many depths thick, what it feels of loads, and what is located from that."""
+    """A pad under a cover of a given thickness [depths], its signals under loads, and the located loads."""
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity, pitch: float, thickness: float) -> None:
         self.medium = Medium(MODULUS, quantity="stress" if quantity == "stress" else "strain")
@@ -64,7 +66,7 @@ def test_place_and_forces_are_those_on_the_layer(quantity: Quantity, thickness: 
     assert max(off) < 0.1
 
 
-def test_where_the_thickness_is_not_known_the_misfit_says_so() -> None:
+def test_an_unknown_thickness_increases_the_misfit() -> None:
     cover = Cover((4, 4), "stress", 1.0, 1.02)
     wanted = np.array([0.3 * DEPTH, -0.2 * DEPTH, 0.05, 0.02, 0.3])
     values = cover.felt(wanted[None])
@@ -77,7 +79,7 @@ def test_where_the_thickness_is_not_known_the_misfit_says_so() -> None:
 
 
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
-def test_errors_are_those_that_the_uncertainty_tells(quantity: Quantity) -> None:
+def test_errors_agree_with_the_deviations(quantity: Quantity) -> None:
     random, cover = np.random.default_rng(8), Cover((4, 4), quantity, 1.0, 1.25)
     wanted = np.array([0.4 * DEPTH, -0.7 * DEPTH, 0.04, -0.06, 0.3])
     clean = cover.felt(wanted[None])
@@ -103,15 +105,15 @@ def test_two_loads_and_a_stuck_taxel_are_found_on_a_thin_cover() -> None:
     assert as_row(found) == pytest.approx(loads[0], abs=1e-5)
 
 
-def test_shear_across_a_line_is_told_on_a_thin_cover_alone() -> None:
+def test_shear_across_a_line_is_determined_on_a_thin_cover_only() -> None:
     wanted = np.array([0.3e-3, 0.4e-3, 0.05, -0.08, 0.3])
     thin, thick = (Cover((1, 6), "strain", 1.0, h) for h in (1.3, 50.0))
     assert as_row(thin.found(thin.felt(wanted[None]))) == pytest.approx(wanted, abs=1e-4)
     assert np.isnan(thick.found(thick.felt(wanted[None])).R)
 
 
-def test_one_taxel_on_a_thin_cover_is_in_doubt() -> None:
-    """Its three numbers fit several loads that shear differently, at different places."""
+def test_one_taxel_on_a_thin_cover_is_ambiguous() -> None:
+    """Its three readings fit several loads with different shear and places."""
     for thickness, wanted in ((1.2, Validity.AMBIGUOUS), (30.0, Validity.INSIDE)):
         cover = Cover((1, 1), "stress", 1.0, thickness)
         assert cover.found(cover.felt(np.array([[0.6e-3, 0.3e-3, 0.0, 0.0, 0.3]]))).validity is wanted
@@ -142,12 +144,12 @@ def test_slopes_are_those_of_the_signals(body: str, several: bool) -> None:
 @pytest.mark.parametrize(
     ("load", "gone"),
     [
-        ((0.53563444, 0.22912112, 0.12779368, -0.02165908, 0.65726242), (0, 1)),  # far off, where a short fit ended
+        ((0.53563444, 0.22912112, 0.12779368, -0.02165908, 0.65726242), (0, 1)),  # a local minimum far away
         ((-0.67812402, 0.67157131, 0.16436352, 0.05940185, 0.53632986), (1, 1)),
-        ((0.60115933, 0.74412281, -0.05589415, 0.18798424, 0.43480683), (1, 0)),  # two answer: (-1.55, 0.42) fits, too
+        ((0.60115933, 0.74412281, -0.05589415, 0.18798424, 0.43480683), (1, 0)),  # (-1.55, 0.42) fits too
     ],
 )
-def test_three_taxels_on_the_bottom_find_the_load_or_are_in_doubt(
+def test_three_taxels_on_the_bottom_locate_the_load_or_are_ambiguous(
     load: tuple[float, ...], gone: tuple[int, int]
 ) -> None:
     cover = Cover((2, 2), "strain", 1.5, 1.0)
@@ -157,3 +159,38 @@ def test_three_taxels_on_the_bottom_find_the_load_or_are_in_doubt(
     found = cover.found(values, valid)
     off = float(np.hypot(found.x - wanted[0], found.y - wanted[1])) / DEPTH
     assert off < 0.01 or found.validity is Validity.AMBIGUOUS
+
+
+def located(side: int, quantity: Felt, pitch: float, thickness: float, load: tuple[float, ...]) -> tuple[Load, float]:
+    """Return the load located from (x, y) [depths] and (Q, R, F) [N] without the thickness, and its error [depths]."""
+    pad, (x, y, *forces) = TaxelArray("pad", side, side, pitch * DEPTH, DEPTH, quantity=quantity), load
+    cover = Medium(MODULUS, quantity=quantity, thickness=thickness * DEPTH)
+    values = layered_load(pad.positions(), DEPTH, [[x * DEPTH, y * DEPTH, *forces]], cover)
+    load = Finger(pad, MODULUS, Settings(tare="off")).locate(Frame(0, 0.0, 0, values, np.ones(pad.shape, bool)))
+    return load, float(np.hypot(load.x / DEPTH - x, load.y / DEPTH - y))
+
+
+@pytest.mark.parametrize(
+    ("side", "quantity", "thickness", "load"),
+    [
+        (2, "strain", 1.02, (-0.978, 0.987, 0.166, 0.118, 0.387)),
+        (2, "strain", 1.1, (-0.403, 1.319, -0.001, -0.002, 0.133)),
+        (4, "strain", 1.02, (2.773, 1.826, 0.018, 0.063, 0.375)),
+        (4, "stress", 1.5, (-0.868, 0.152, 0.175, 0.067, 0.334)),
+    ],
+)
+def test_a_wrong_place_on_an_unknown_thin_cover_is_ambiguous(
+    side: int, quantity: Felt, thickness: float, load: tuple[float, ...]
+) -> None:
+    answer, off = located(side, quantity, 1.5, thickness, load)
+    assert off > GROSS
+    assert answer.misfit < 0.25  # like that of a wide tip
+    assert answer.validity is Validity.AMBIGUOUS
+
+
+@pytest.mark.parametrize("quantity", ["strain", "stress"])
+def test_a_right_place_on_a_thicker_cover_is_inside(quantity: Felt) -> None:
+    for x, y in ((0.1, 0.2), (-0.4, 0.3)):
+        answer, off = located(4, quantity, 1.0, 2.0, (x, y, 0.03, -0.05, 0.3))
+        assert off < GROSS / 3
+        assert answer.validity is Validity.INSIDE

@@ -1,4 +1,4 @@
-"""Loads located from the strains or stresses of several taxels, as they are."""
+"""Loads located from exact strains or stresses of several taxels."""
 
 from typing import Any
 
@@ -29,7 +29,7 @@ def test_loads_of_any_size_are_located(size: float) -> None:
 
 
 @pytest.mark.parametrize("shape", [(2, 2), (2, 3), (3, 3), (8, 8)])
-def test_three_component_loads_whose_sign_turns_between_taxels(shape: tuple[int, int]) -> None:
+def test_three_component_loads_whose_sign_changes_between_taxels(shape: tuple[int, int]) -> None:
     random = np.random.default_rng(2)
     at = array(*shape)
     turned = 0
@@ -43,7 +43,7 @@ def test_three_component_loads_whose_sign_turns_between_taxels(shape: tuple[int,
         assert max(load.sigma[:2]) < 1e-12 * DEPTH
         assert load.taxels == at.shape[0] * at.shape[1]
         assert load.validity in (Validity.INSIDE, Validity.OUTSIDE)
-    assert turned > 30  # the case was really asked
+    assert turned > 30  # the case occurred
 
 
 @given(
@@ -59,7 +59,7 @@ def test_any_load_over_a_2_by_2_array(force: tuple[float, float, float], x: floa
         assert_is(load, wanted, 1e-9, 1e-7)
 
 
-def test_stress_needs_no_second_candidates() -> None:
+def test_stress_has_one_candidate() -> None:
     at = array(2, 2)
     wanted = (4.3e-3, -1.6e-3, 0.3, -0.8, 0.2)
     x, y, z = np.moveaxis(point_load_stress(at, DEPTH, [wanted]), -1, 0)
@@ -93,23 +93,23 @@ def test_equation_14_solves_equation_13() -> None:
         three_taxels((0, 1), (0, 1), (0, 1), z)
 
 
-@pytest.mark.parametrize(("shape", "told"), [((1, 1), ""), ((1, 4), "Q"), ((5, 1), "R"), ((1, 2), "Q")])
-def test_taxels_on_a_line_say_what_they_cannot_tell(shape: tuple[int, int], told: str) -> None:
-    """One taxel tells no shear at all, a line none across it; everything else comes from all of them."""
+@pytest.mark.parametrize(("shape", "known"), [((1, 1), ""), ((1, 4), "Q"), ((5, 1), "R"), ((1, 2), "Q")])
+def test_taxels_on_a_line_do_not_determine_all_forces(shape: tuple[int, int], known: str) -> None:
+    """One taxel does not determine the shear, a line not that across it."""
     at = array(*shape)
-    wanted = np.array([4.2e-3, -2.3e-3, 0.1 * (told == "Q"), 0.1 * (told == "R"), 0.4])
+    wanted = np.array([4.2e-3, -2.3e-3, 0.1 * (known == "Q"), 0.1 * (known == "R"), 0.4])
     load = locate(at, point_load_strain(at, DEPTH, [wanted], MODULUS))
     assert (load.x, load.y, load.F) == pytest.approx((4.2e-3, -2.3e-3, 0.4), rel=1e-9)
     for name, value, sigma in (("Q", load.Q, load.sigma[2]), ("R", load.R, load.sigma[3])):
-        assert np.isnan(value) == (name != told)
-        assert np.isinf(sigma) == (name != told)
-        assert name != told or value == pytest.approx(0.1, rel=1e-9)
+        assert np.isnan(value) == (name != known)
+        assert np.isinf(sigma) == (name != known)
+        assert name != known or value == pytest.approx(0.1, rel=1e-9)
     assert load.taxels == at.shape[0] * at.shape[1]
     assert load.validity == Validity.INSIDE
 
 
-def test_rounding_does_not_make_one_taxel_doubtful() -> None:
-    """To one taxel a pull elsewhere fits as well; it is taken to be pressed, whatever the last bits are."""
+def test_rounding_does_not_make_one_taxel_ambiguous() -> None:
+    """A pull elsewhere fits one taxel as well; the load is assumed to press, whatever the rounding."""
     at, random = array(1, 1), np.random.default_rng(1)
     for _ in range(200):
         wanted = np.array([*at[0, 0] + random.uniform(-2, 2, 2) * DEPTH, 0.0, 0.0, 0.4])

@@ -1,4 +1,4 @@
-"""How precise located loads are under noise, and how well that is known."""
+"""Precision of located loads under noise, and of their standard deviations."""
 
 from functools import partial
 
@@ -38,7 +38,7 @@ def test_taxels_on_a_line_use_all_of_them() -> None:
 @pytest.mark.parametrize("given_noise", [False, True])
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize(("side", "level"), [(2, 1e-6), (2, 3e-2), (4, 1e-3), (8, 3e-2), (32, 1e-2), (32, 3e-2)])
-def test_errors_are_near_the_cramer_rao_bound_and_known(
+def test_errors_and_deviations_are_near_the_cramer_rao_bound(
     side: int, level: float, stress: bool, given_noise: bool
 ) -> None:
     random, at = np.random.default_rng(side), array(side, side)
@@ -61,7 +61,7 @@ def _over(at: Floats, noise: Floats, loads: Floats) -> Floats:
     return felt(at, loads, False) / noise
 
 
-def test_taxels_weigh_by_their_noise() -> None:
+def test_taxels_are_weighted_by_their_noise() -> None:
     """Half of the taxels with ten times the noise, and normals with three times that of shear: near the bound."""
     random, at = np.random.default_rng(4), array(4, 4)
     sigma = np.where(random.random((4, 4, 1)) < 0.5, 10.0, 1.0) * [1.0, 1.0, 3.0]
@@ -84,23 +84,23 @@ def test_taxels_weigh_by_their_noise() -> None:
 
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize(("shape", "free"), [((1, 2), 2), ((1, 3), 5), ((2, 2), 7)])
-def test_sigma_is_honest_where_few_signals_tell_the_noise(shape: tuple[int, int], free: int, stress: bool) -> None:
-    """Of Student's distribution 68 % lie within the quantile that is told, not within what few residuals are."""
+def test_sigma_with_few_degrees_of_freedom(shape: tuple[int, int], free: int, stress: bool) -> None:
+    """68 % lie within sigma, a quantile of Student's distribution."""
     random, at, own = np.random.default_rng(9), array(*shape), []
-    told = [0, 1, 2, 4] if shape[0] == 1 else [0, 1, 2, 3, 4]
+    known = [0, 1, 2, 4] if shape[0] == 1 else [0, 1, 2, 3, 4]
     for _ in range(400):
         wanted = random_load(random, *shape) * [0.5, 1, 0.1, 0.1 * (shape[0] > 1), 0] + [2e-3, 0, 0, 0, 1]
         signals = felt(at, [wanted], stress)
         noisy = signals + random.normal(size=signals.shape) * 1e-3 * float(np.abs(signals).max())
         load = found(at, noisy, stress)
         if load.validity is Validity.INSIDE:
-            own.append(((np.array(as_row(load)) - wanted) / load.sigma)[told])
+            own.append(((np.array(as_row(load)) - wanted) / load.sigma)[known])
     assert len(own) > 200
     within = np.mean(np.abs(own) < 1)
     assert within == pytest.approx(0.683, abs=0.05), free
 
 
-def test_noise_that_is_none_is_refused() -> None:
+def test_noise_that_is_not_positive_is_refused() -> None:
     at = array(2, 2)
     strain = felt(at, [(4e-3, -2e-3, 0, 0, 1)], False)
     for wrong in (0.0, np.zeros((2, 2, 3)), np.ones((2, 3, 3))):

@@ -1,4 +1,4 @@
-"""Loads next to which another one fits as well if a reading is false: it is named, or the load is ambiguous."""
+"""Loads for which a false reading allows a second answer: the reading is named, or the load is ambiguous."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from tests.tactile.inverse.trials import KINDS, LINES, trial
 def scene(
     random: np.random.Generator, shape: tuple[int, int], pitch: float, level: float, stress: bool
 ) -> tuple[Floats, Floats, Floats, float]:
-    """Return the places of a pad's taxels, a load, what they read of it with noise, and that noise."""
+    """Return the places of a pad's taxels, a load, their noisy readings, and the noise."""
     at = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH).positions()
     half = np.array([shape[1], shape[0]]) * pitch * DEPTH / 2
     load = np.array([*random.uniform(-1, 1, 2) * half, *random.uniform(-0.1, 0.1, 2), 0.4])
@@ -29,8 +29,8 @@ def beyond(load: Load, wanted: Floats) -> float:
 
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize(("side", "pitch"), [(2, 2.0), (3, 1.5), (4, 2.0)])
-def test_a_reading_that_is_nothing_is_named_though_the_load_hides_it(side: int, pitch: float, stress: bool) -> None:
-    """Noise is never exactly nothing: in half of these the load takes the false reading for its own, within noise."""
+def test_a_zero_reading_is_named_even_within_the_noise_of_the_fit(side: int, pitch: float, stress: bool) -> None:
+    """Noisy readings are never exactly zero; in half of these the fit explains the false one within its noise."""
     random = np.random.default_rng((side, stress))
     for n in range(30):
         at, load, read, noise = scene(random, (side, side), pitch, 2e-2, stress)
@@ -42,7 +42,7 @@ def test_a_reading_that_is_nothing_is_named_though_the_load_hides_it(side: int, 
 
 
 @pytest.mark.parametrize("stress", [False, True])
-def test_nothing_that_a_load_makes_or_coarse_steps_make_is_not_false(stress: bool) -> None:
+def test_a_zero_of_the_field_and_coarse_steps_are_not_false_readings(stress: bool) -> None:
     line = TaxelArray("line", 1, 6, DEPTH, DEPTH).positions()
     beside = np.array([line[0, 4, 0], 0.4 * DEPTH, 0.03, 0.0, 0.4])
     read = felt(line, [beside], stress)
@@ -52,7 +52,9 @@ def test_nothing_that_a_load_makes_or_coarse_steps_make_is_not_false(stress: boo
     for _ in range(50):
         at, _, read, noise = scene(random, (4, 4), 1.0, 1e-3, stress)
         step = float(np.abs(read).max()) / 40
-        assert found(at, np.round(read / step) * step, stress, noise + step).left_out == ()
+        rounded = np.round(read / step) * step
+        assert found(at, rounded, stress, noise + step).left_out == ()
+        assert found(at, rounded, stress).saturated == ()
 
 
 def test_a_taxel_under_the_load_that_cannot_be_read_is_named() -> None:
@@ -61,15 +63,15 @@ def test_a_taxel_under_the_load_that_cannot_be_read_is_named() -> None:
     first, last = (tuple(int(k) for k in np.unravel_index(n, (4, 4))) for n in (near.argmin(), near.argmax()))
     read[first], read[last] = np.nan, np.nan
     assert found(at, read, True, noise).left_out == (first,)
-    railed = np.zeros((4, 4), bool)
-    railed[first] = True
-    answer = found(at, read, True, noise, railed)
+    clipped = np.zeros((4, 4), bool)
+    clipped[first] = True
+    answer = found(at, read, True, noise, clipped)
     assert (answer.left_out, answer.saturated) == ((), (first,))
 
 
 @pytest.mark.parametrize("stress", [False, True])
-def test_readings_at_one_end_are_told_whatever_the_load_makes_of_them(stress: bool) -> None:
-    """Also where noise lets the load make less of one of them than the end: two noisy readings are never alike."""
+def test_equal_readings_at_the_end_of_the_range_are_named(stress: bool) -> None:
+    """Also if the fitted load explains one of them within its noise: noisy readings are never equal."""
     random, count = np.random.default_rng(5), 0
     for _ in range(60):
         at, load, read, noise = scene(random, (3, 3), 2.0, 1e-2, stress)
@@ -84,14 +86,14 @@ def test_readings_at_one_end_are_told_whatever_the_load_makes_of_them(stress: bo
     assert count >= 10
 
 
-def test_one_of_two_false_readings_leaves_the_load_ambiguous() -> None:
-    """On a line either of two readings may be turned round: each explains all, with loads half a depth apart."""
+def test_two_candidates_for_the_false_reading_make_the_load_ambiguous() -> None:
+    """On a line either of two readings may have the wrong sign; the loads are half a depth apart."""
     for n in (107, 228):
         one = trial("turned", np.random.default_rng((41, KINDS.index("turned"), n)), LINES)
         assert one.load.validity is Validity.AMBIGUOUS
 
 
-def test_a_place_that_is_not_known_to_half_a_depth_is_ambiguous() -> None:
+def test_a_place_with_sigma_above_half_a_depth_is_ambiguous() -> None:
     for n in range(100):
         one = trial("turned", np.random.default_rng((35, KINDS.index("turned"), n)), LINES)
         assert not one.inside or max(one.load.sigma[:2]) <= 0.5 * DEPTH
@@ -101,13 +103,13 @@ def test_a_place_that_is_not_known_to_half_a_depth_is_ambiguous() -> None:
     ("kind", "most"),
     [("dead", 0.02), ("silent", 0.02), ("turned", 0.02), ("clipped", 0.02), ("stuck", 0.03), ("ball", 0.03)],
 )
-def test_lines_say_where_their_readings_do_not_suffice(kind: str, most: float) -> None:
+def test_wrong_loads_on_lines_are_ambiguous(kind: str, most: float) -> None:
     trials = [trial(kind, np.random.default_rng((34, KINDS.index(kind), n)), LINES) for n in range(200)]
     assert sum(one.inside for one in trials) >= 0.65 * len(trials)
     assert sum(one.beyond for one in trials if one.known) <= most * sum(one.inside for one in trials if one.known)
 
 
-def test_sound_loads_on_lines_are_not_lost() -> None:
+def test_sound_loads_on_lines_are_inside() -> None:
     trials = [trial("sound", np.random.default_rng((33, n)), LINES) for n in range(150)]
     assert sum(one.inside for one in trials) >= 0.98 * len(trials)
     assert not any(one.load.left_out or one.load.saturated for one in trials)

@@ -1,4 +1,4 @@
-"""Several loads at once, and what is no point load at all."""
+"""Several loads at once, and wide patches."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from tests.kits.touch.pads import DEPTH, PITCH, array, felt, found, random_load
 
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize("count", [2, 3])
-def test_loads_well_apart_are_told_apart(count: int, stress: bool) -> None:
+def test_loads_well_apart_are_separated(count: int, stress: bool) -> None:
     random, at, right = np.random.default_rng(count), array(8, 8), 0
     for _ in range(40):
         gap = 0.0
@@ -35,7 +35,7 @@ def test_two_loads_are_not_one_between_them() -> None:
 
 
 @pytest.mark.parametrize("stress", [False, True])
-def test_a_wide_patch_is_no_point_load(stress: bool) -> None:
+def test_a_wide_patch_is_not_a_point_load(stress: bool) -> None:
     at = array(8, 8)
     edge = np.linspace(-2.5, 2.5, 12) * DEPTH
     patch = np.array([[4e-3 + x, -2e-3 + y, 0, 0, 0.01] for x in edge for y in edge])

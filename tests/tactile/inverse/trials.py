@@ -31,7 +31,7 @@ KINDS = ("sound", "dead", "turned", "clipped", "second", "layer", "ball", "stuck
 
 @dataclass(frozen=True)
 class Trial:
-    """One trial: what was there, what was located, and by how many of its own deviations that is off."""
+    """One trial: the true loads, the located one, and its errors."""
 
     kind: str
     shape: tuple[int, int]
@@ -55,7 +55,7 @@ class Trial:
         answers = np.array([as_row(one) for one in (self.load, *self.load.others)])
         near = answers[np.hypot(*(answers[:, :2] - self.loads[0, :2]).T).argmin()]
         x, y, q, r, f = self.loads[0]
-        if self.shape[0] == 1:  # lines lie on an axis: F of a load without the shear across, which feels alike
+        if self.shape[0] == 1:  # F of the equivalent load without the shear across the line
             near[3], f, r = 0.0, f - r * y / DEPTH, 0.0
         if self.shape[1] == 1:
             near[2], f, q = 0.0, f - q * x / DEPTH, 0.0
@@ -87,7 +87,7 @@ class Trial:
 
 
 def point_signals(at: Floats, loads: Floats, stress: bool) -> Floats:
-    """Return what taxels (rows, cols, 2) feel of loads (k, 5) on the half-space: eq. (1), or eq. (10) for stress."""
+    """Return the signals of taxels (rows, cols, 2) under loads (k, 5) on the half-space, by eq. (1) or (10)."""
     signals = np.zeros((*at.shape[:2], 3))
     for x, y, q, r, f in loads:
         dx, dy, z = at[..., 0] - x, at[..., 1] - y, DEPTH
@@ -103,7 +103,7 @@ def point_signals(at: Floats, loads: Floats, stress: bool) -> Floats:
 
 
 def ball(load: Floats, radius: float) -> Floats:
-    """Return a load as Hertz spreads it over a disc: 200 equal parts on a sunflower."""
+    """Return a load with Hertz's pressure over a disc, as 200 equal point loads on a sunflower."""
     share = (np.arange(200) + 0.5) / 200
     out = radius * np.sqrt(1 - (1 - share) ** (2 / 3))
     turn = np.arange(200) * np.pi * (3 - 5**0.5)
@@ -115,7 +115,7 @@ def ball(load: Floats, radius: float) -> Floats:
 
 
 def trial(kind: str, random: np.random.Generator, shapes: tuple[tuple[int, int], ...] = SHAPES) -> Trial:
-    """Draw and locate one."""
+    """Return a random trial of a kind."""
     shape = shapes[random.integers(len(shapes))]
     pitch, stress, known = float(random.choice(PITCHES)), bool(random.integers(2)), bool(random.integers(2))
     at = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH).positions()
