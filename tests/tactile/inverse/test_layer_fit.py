@@ -166,8 +166,8 @@ def located(side: int, quantity: Felt, pitch: float, thickness: float, load: tup
     pad, (x, y, *forces) = TaxelArray("pad", side, side, pitch * DEPTH, DEPTH, quantity=quantity), load
     cover = Medium(MODULUS, quantity=quantity, thickness=thickness * DEPTH)
     values = layered_load(pad.positions(), DEPTH, [[x * DEPTH, y * DEPTH, *forces]], cover)
-    load = Finger(pad, MODULUS, Settings(tare="off")).locate(Frame(0, 0.0, 0, values, np.ones(pad.shape, bool)))
-    return load, float(np.hypot(load.x / DEPTH - x, load.y / DEPTH - y))
+    answer = Finger(pad, MODULUS, Settings(tare="off")).locate(Frame(0, 0.0, 0, values, np.ones(pad.shape, bool)))
+    return answer, float(np.hypot(answer.x / DEPTH - x, answer.y / DEPTH - y))
 
 
 @pytest.mark.parametrize(
