@@ -37,14 +37,15 @@ class LinearSteps(Stepper):
         assert scheme is not None
         h = scheme.gain(self._plan.step)
         rates: list[Array] = []
-
-        def ahead(weights: tuple[float, ...]) -> Array:
-            return self._limit(x + h * sum(weight * k for weight, k in zip(weights, rates, strict=True)))
-
         for row in scheme.a:
-            stage = ahead(row)
-            rates.append(np.where(self._free, self.drive(stage) - stage, 0.0))  # masked cells stay in the stages, too
-        return ahead(scheme.b)
+            stage = x
+            for weight, k in zip(row, rates, strict=False):
+                stage = stage + h * weight * k
+            stage = self._limit(stage)
+            rates.append(np.where(self._free, self.drive(stage) - stage, 0.0))  # held in the stages, too
+        for weight, k in zip(scheme.b, rates, strict=True):
+            x = x + h * weight * k
+        return self._limit(x)
 
     def finish(self) -> Array:
         """See `Stepper.finish`."""

@@ -36,6 +36,8 @@ def _tiles_of(plan: Plan, dtype: np.dtype[Any], shape: tuple[int, ...]) -> tuple
             tables = table_of(plan, dtype, static=True), table_of(plan, dtype, static=False)
         constants = (1.0,) if network is None else network.time_constants
         gains = [scheme.gain(plan.step * (1 / constant)) if scheme else 1.0 for constant in constants]
+        if network is None:  # the table of the scheme has the length of a step, as in the reference
+            gains = [0.0]
         still = TermTiles(plan, tables[0], shape, dtype)
         tiles[key] = still, TermTiles(plan, tables[1], shape, dtype, gains, scheme, f)
     return tiles[key]

@@ -52,10 +52,15 @@ def _stage_row(drive: Array, stage: Array, total: Array, x: Array, weights: tupl
 
 
 @helper
-def _last_row(out: Array, drive: Array, stage: Array, total: Array, x: Array, b: float, gain: float) -> None:
-    """Write the state after the step, from the drive of the last stage."""
-    for j in range(out.size):
-        out[j] = x[j] + gain * (total[j] + b * (drive[j] - stage[j]))
+def _last_row(out: Array, drive: Array, stage: Array, total: Array, x: Array, weights: tuple[float, float]) -> None:
+    """Write the state after the step, from the drive of the last stage; a gain of 0: the total begins with x."""
+    b, gain = weights
+    if gain == 0:
+        for j in range(out.size):
+            out[j] = total[j] + b * (drive[j] - stage[j])
+    else:
+        for j in range(out.size):
+            out[j] = x[j] + gain * (total[j] + b * (drive[j] - stage[j]))
 
 
 @helper
@@ -74,12 +79,15 @@ def stop_row(row: Array, x: Array, mask: Array, limited: bool, masked: bool) -> 
 
 
 @helper
-def begin_step(live: LiveRows, at: tuple[int, int], x: Array) -> None:
+def begin_step(live: LiveRows, at: tuple[int, int], x: Array, gain: float) -> None:
     """Begin a step from a row of the state; ``at`` are the layer and the live row."""
     (layer, place), n = at, x.size
     copy_row(live.state[layer, place][:n], x)
     copy_row(live.stage[layer, place][:n], x)
-    fill(live.total[layer, place][:n], 0)
+    if gain == 0:
+        copy_row(live.total[layer, place][:n], x)
+    else:
+        fill(live.total[layer, place][:n], 0)
 
 
 @helper
@@ -88,14 +96,16 @@ def next_stage(
 ) -> None:  # fmt: skip
     """Go from the drives of a stage, in ``work``, to the next stage; after the last one ``spare`` is the new state.
 
-    ``at``: the layer and the live row. ``how``: whether states are limited, and masked.
+    ``at``: the layer and the live row. ``how``: whether states are limited, and masked. Of a linear template
+    ``gain`` is 0: the table has the length of a step as a factor, and the total begins with the state.
     """
     (layer, place), (table, count, keeps), n = at, scheme, work.drive.size
+    ahead = gain if gain != 0 else work.drive.dtype.type(1)
     x, of_stage, total = live.state[layer, place][:n], live.stage[layer, place][:n], live.total[layer, place][:n]
     mask, drive, spare = live.mask[layer, place][:n], work.drive, work.spare
     b, row = table[count * count + stage], (stage + 1) * count
     if stage + 1 == count:
-        _last_row(spare, drive, of_stage, total, x, b, gain)
+        _last_row(spare, drive, of_stage, total, x, (b, gain))
         stop_row(spare, x, mask, how[0], how[1])
         return
     if keeps:
@@ -103,12 +113,18 @@ def next_stage(
         subtract(drive, drive, of_stage)
         add_weighted(total, b, drive)
         copy_row(rates[stage][:n], drive)
-        fill(spare, 0)
+        if gain == 0:
+            copy_row(spare, x)
+        else:
+            fill(spare, 0)
         for earlier in range(stage + 1):
             add_weighted(spare, table[row + earlier], rates[earlier][:n])
-        _sum_row(drive, x, gain, spare)
+        if gain == 0:
+            copy_row(drive, spare)
+        else:
+            _sum_row(drive, x, gain, spare)
     else:
-        _stage_row(drive, of_stage, total, x, (b, table[row + stage]), gain)
+        _stage_row(drive, of_stage, total, x, (b, table[row + stage]), ahead)
     stop_row(drive, x, mask, how[0], how[1])
     copy_row(of_stage, drive)
 

@@ -168,7 +168,7 @@ def step_tile(
             for layer in range(layers if level > 0 or levels > 1 else 0):
                 if level == 0:
                     load_row(rows_of.spare, now[layer], i, lo)
-                    begin_step(live, (layer, place), rows_of.spare)
+                    begin_step(live, (layer, place), rows_of.spare, gains[layer])
                     if masked:
                         load_row(live.mask[layer, place][:n], mask[g, layer], i, lo)
                     continue
@@ -180,7 +180,7 @@ def step_tile(
                     if level == levels:
                         copy_row(after[layer, i][c0:c1], rows_of.spare[inner : inner + wanted])
                     elif stage + 1 == count:
-                        begin_step(live, at_row, rows_of.spare)
+                        begin_step(live, at_row, rows_of.spare, gains[layer])
                     continue
                 held, x = rows_of.mask[:wanted], now[layer, i][c0:c1]
                 if masked:
@@ -188,7 +188,7 @@ def step_tile(
                 if task == DRIVE:
                     copy_row(w[g, layer, i][c0:c1], to)
                 elif task == STEP:
-                    euler_row(spare, x, gains[layer], to)
+                    euler_row(spare, x, gains[layer] if gains[layer] != 0 else scheme[0][1], to)
                     stop_row(spare, x, held, limited, masked)
                     copy_row(after[layer, i][c0:c1], spare)
                 elif task == CHECK:

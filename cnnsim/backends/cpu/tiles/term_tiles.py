@@ -110,7 +110,11 @@ class TermTiles:
         kind, places, at, values, numbers = f or Function(0, 0, 0, 0, np.empty(0, dtype))
         numbers_of = numbers[at : at + places].copy(), numbers[values:].copy()
         self._compiled = functions(dtype), step_of(dtype)
-        steps = np.array(gains, dtype), plan.cell == "full-range", *_stages(scheme, dtype)
+        steps = (
+            np.array(gains, dtype),
+            plan.cell == "full-range",
+            *_stages(scheme, dtype, plan.step if plan.method == "stepped" else None),
+        )
         edge = r, int(boundary_code(boundary)), dtype.type(boundary.u), dtype.type(boundary.y), low
         rule = _rule(table, self._seen, steps, (int(kind), *numbers_of), edge)
         self._rule = tuple(TermRule(*(int(function.address) for function in self._compiled), *rule))
@@ -181,9 +185,12 @@ def _term_records(table: TermTable) -> Array:
     return records(**terms._asdict(), linear=plain & ~np.array(local, bool))
 
 
-def _stages(scheme: Scheme | None, dtype: np.dtype[Any]) -> tuple[Array, Array, bool]:
-    """Return the table of a scheme, how far its stages look ahead, and whether rates are kept; of None one stage."""
+def _stages(scheme: Scheme | None, dtype: np.dtype[Any], step: float | None) -> tuple[Array, Array, bool]:
+    """Return the table of a scheme, times its gain of a ``step`` if given; how far its stages look ahead; and whether
+    rates are kept. No scheme is one stage.
+    """
     if scheme is None:
         return np.empty(0, dtype), np.zeros(1, np.int64), False
-    table = np.concatenate((scheme.matrix.reshape(-1), scheme.b)).astype(dtype)
+    h = 1.0 if step is None else scheme.gain(step)
+    table = np.concatenate(((h * scheme.matrix).reshape(-1), h * np.array(scheme.b))).astype(dtype)
     return table, np.array([round(sum(row)) for row in scheme.a], np.int64), scheme.keeps_rates
