@@ -37,7 +37,7 @@ STEP = 1e-5
 
 
 class ScanFit(NamedTuple):
-    """``parameters`` of the curves and their ``covariance``, zero for those that were not fitted."""
+    """``parameters`` of the curves and their ``covariance``, zero for fixed parameters."""
 
     parameters: Floats
     covariance: Floats

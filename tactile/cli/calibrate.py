@@ -57,7 +57,7 @@ def calibrate(
     """
     if weights is not None:
         if speed_mm_s is not None or load_n is not None or toward is not None:
-            raise click.UsageError("--weights says what lay there; leave out --speed-mm-s, --load-n and --toward")
+            raise click.UsageError("--weights gives the loads; leave out --speed-mm-s, --load-n and --toward")
         _from_weights(scan, weights, fit, tare, output, as_json)
         return
     if speed_mm_s is None or load_n is None:

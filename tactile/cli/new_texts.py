@@ -57,7 +57,7 @@ path = [
 """
 
 ARRAY = """\
-# What is on the other end of the cable: which boards, how their taxels lie, how their readings become frames.
+# Description of a device: its boards, the layout of their taxels, the conversion of their readings to frames.
 
 title    = "NAME"
 protocol = "native"         # reskin, papillarray, paxini-fast, paxini-serial, lowiek, native or csv
@@ -69,13 +69,13 @@ name     = "finger"
 rows     = 2
 cols     = 2
 pitch_mm = 1.5              # distance of neighbouring taxels
-depth_mm = 1.5              # how deep they lie under the cover; 0 for force sensors
-# thickness_mm = 2.0        # of the cover over its rigid base; unless given loads are located as if it had no end
+depth_mm = 1.5              # depth of the taxels under the cover; 0 for force sensors
+# thickness_mm = 2.0        # of the cover over its rigid base; without it loads are located on a half-space
 quantity = "strain"         # strain, stress or force: what the readings are after the gains
 # origin_mm = [0.0, 0.0]    # centre of the array: x to the right, y down
 # axes  = ["x", "y", "-z"]  # which of the device's axes are shear_x, shear_y and normal
 # gains = [1e-5, 1e-5]      # shear, normal: quantity per unit of the wire; microtesla of magnetometers need them
-#                           # (where nobody knows them: quantity = "force" and depth_mm = 0.0, for tactile score)
+#                           # (where they are unknown: quantity = "force" and depth_mm = 0.0, for tactile score)
 # cells = [[0, 1], [2, 3]]  # the device's number of the chip in each cell, -1 where none is
 
 # [thresholds]              # of events, where the command line says nothing; without them the noise decides
@@ -91,7 +91,7 @@ DETECTOR = """\
 # planes; templates/README.md has the steps. Run it: tactile run SCENE.toml --program NAME.toml
 
 name    = "NAME"
-summary = "At least three taxels that touch and stand together."
+summary = "At least three neighbouring taxels are pressed."
 llm     = ["touch", "beside", "together"]   # logic planes, white and black
 wire    = ["count", "enough"]               # registers: numbers
 inputs  = ["touch"]                         # planes of the finger
@@ -113,8 +113,8 @@ kind       = "together"
 when       = "enough"                       # the register (not 0) or plane (any cell black) that is on while it lasts
 taxels     = "together"                     # the taxels concerned
 words      = "{taxels} of {of_taxels} taxels together"
-confirm_ms = 20                             # how long it is on before it is told ...
-release_ms = 50                             # ... and off before it is over
+confirm_ms = 20                             # time for which it is on before it is reported ...
+release_ms = 50                             # ... and off before it ends
 # direction = "load"                        # or four outputs for +x, -x, +y, -y; {direction} in the words
 # sense     = ["clockwise", "anticlockwise"]  # two outputs; {sense} in the words
 """

@@ -68,21 +68,21 @@ def new_mcap(path: Path, replace: bool) -> Path:
 
 
 def write_new_text(path: Path, text: str) -> None:
-    """Write a small file; one that says the same already is left as it is.
+    """Write a small file; a file of the same contents is left as it is.
 
     Raises:
-        InputError: it cannot be written, or something else of that name is there.
+        InputError: it cannot be written, or the name is taken by a file of other contents.
     """
     if path.is_file() and path.read_bytes() == text.encode():
         return
     if os.path.lexists(path):
-        raise InputError(f"{path}: there is something else of that name; another name wanted")
+        raise InputError(f"{path}: the name is taken; another name wanted")
     with writing(path) as beside:
         beside.write_bytes(text.encode())
 
 
 class Finite(click.FloatRange):
-    """A finite number in a range: of itself a range takes nan, which is on neither side of its ends."""
+    """A finite number in a range. Click's own range accepts NaN."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number."""

@@ -1,4 +1,4 @@
-"""The commands that list what detectors see and say: their planes, and the dictionary of sign codes."""
+"""Commands that list the input planes of detectors and the dictionary of sign codes."""
 
 import click
 
@@ -51,7 +51,7 @@ def _number(text: str) -> int:
         whole = text.isdecimal() and (text == "0" or text[0] != "0")
         digits = text.lower().removeprefix("0x")
         if whole and int(text) < 1 << 16:
-            if len(text) == 4:  # so many the table of events has
+            if len(text) == 4:  # the table of events has four columns
                 echo(f"{text}: read as a decimal number; 0x{text} is the code that events print so", err=True)
             return int(text)
         if whole or not 1 <= len(digits) <= 4 or not set(digits) <= set("0123456789abcdef"):

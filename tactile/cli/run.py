@@ -39,7 +39,7 @@ from tactile.wire.base import Counts
 @click.option(
     "--tare",
     type=TareChoice(),
-    help="How the offset is taken: auto from still, unloaded frames, off, or from so many frames at the start"
+    help="How the offset is taken: auto (from still, unloaded frames), off, or N: mean of the first N frames"
     " [auto for a device's readings, else off].",
 )
 @click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
@@ -64,7 +64,7 @@ def run(
     from tactile.output.tables import tables  # the same
 
     if parquet and output is None:
-        raise click.UsageError("--parquet writes beside the .csv file; -o FOLDER wanted")
+        raise click.UsageError("--parquet without a folder to write to; -o FOLDER wanted")
     check_thresholds(chosen)
     if calibration is not None and gains is not None:
         raise click.UsageError("--calibration has gains; leave out --gains")

@@ -44,7 +44,7 @@ FEW = 0.5
 @click.option(
     "--gain", "gains", type=Finite(), multiple=True, help="Of sequences: also try readings times this; again."
 )
-@click.option("--kind", "kinds", multiple=True, help="Of sequences: kind that says yes [all of pulling and slipping].")
+@click.option("--kind", "kinds", multiple=True, help="Of sequences: kind that counts as a slip [all of pulling and slipping].")
 @click.option(
     "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file does not say it."
 )
@@ -61,9 +61,9 @@ def score(
 
     RECORDINGS is a folder with --labels, or an NPZ file of sequences of a device's readings with --array.
 
-    Columns of LABELS: recording, sensor (0, 1, ...), and those that are known of contact_s, release_s,
-    tangential_onset_s and gross_slip_s; peak_s and open_s bound a hold, flag_on_s is the device's own word. Grasps slip
-    from the rim inwards, under noise of 1.1 mN (shear) and 3.6 mN (normal) and one taxel of 50 mN.
+    Columns of LABELS: recording, sensor (0, 1, ...), and the known ones of contact_s, release_s,
+    tangential_onset_s and gross_slip_s; peak_s and open_s bound a hold, flag_on_s is the device's own slip flag.
+    Grasps slip from the rim inwards, under noise of 1.1 mN (shear) and 3.6 mN (normal) and one taxel of 50 mN.
 
     Sequences: signal (sequences, frames, channels: boards, chips, x y z), slip (sequences,) yes or no, rate_hz, and
     onset_s (sequences,) where it is known; else the onset is where the signal begins to change.
@@ -109,8 +109,8 @@ def score(
         if share is not None and share < FEW:
             echo(
                 f"{array}: located loads explain the readings in {share:.0%} of the frames in contact, so its gains,"
-                ' axes or depths are not those of the array; where nobody knows them, quantity = "force" without gains'
-                " goes by the noise",
+                ' axes or depths are not those of the array; where they are unknown, quantity = "force" without gains'
+                " uses the noise only",
                 err=True,
             )
     if grasps or idle_minutes:
@@ -153,11 +153,11 @@ def _print(found: dict[str, Any]) -> None:
 
 
 def _print_sequences(found: dict[str, Any]) -> None:
-    echo(f"sequences, told by {', '.join(found['kinds'])}:")
+    echo(f"sequences, detected by {', '.join(found['kinds'])}:")
     for name, one in found["readings"].items():
         words = ", ".join(
             f"{what} " + " ".join(f"{1e3 * late:+.0f}" for late in one[key]) + " ms"
-            for what, key in (("onset", "onset_error_s"), ("told", "told_after_s")) if one[key] is not None
+            for what, key in (("onset", "onset_error_s"), ("reported", "told_after_s")) if one[key] is not None
         )  # fmt: skip
         echo(
             f"readings {name:<20} accuracy {one['accuracy']:.3f}, false {_ratio(one['false_rate'])}"

@@ -96,8 +96,8 @@ def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
     replace: bool, as_json: bool, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
-    """Run the pipeline on frames as they arrive. Typing t and Return asks for a tare, t! takes it
-    whatever presses, q or Ctrl-C ends.
+    """Run the pipeline on frames as they arrive. Typing t and Return requests a tare, t! forces
+    it under load, q or Ctrl-C ends.
     """
     from tactile.cli.port.live import LiveMonitor, LiveOptions  # the same
     from tactile.recording.writer import Recording  # imported when used

@@ -90,14 +90,14 @@ def train(
     of = f"{len(model.features.names)} features, {model.conditions['windows']} windows"
     echo(f"{len(model.materials)} materials of {model.conditions['slides']} slides: {of}")
     echo(f"unknown materials, each left out in turn: AUROC {_figure(auroc)}")
-    echo(f"wrote {output}; how well it tells: tactile texture report {folder}")
+    echo(f"wrote {output}; its accuracy: tactile texture report {folder}")
 
 
 @texture.command(epilog=examples("tactile texture classify slides/ --model out/materials.npz"))
 @click.argument("source", type=FILE)
 @click.option("--model", type=FILE, required=True, help="What `tactile texture train` has written.")
 @click.option("--confidence", type=Finite(0, 1), default=0.5, show_default=True,
-              help="A material told with less is unknown.")  # fmt: skip
+              help="Confidence below which a material is unknown.")  # fmt: skip
 @_shared
 def classify(
     source: Path, model: Path, confidence: float, labels: Path | None, window: int, speed: float | None, as_json: bool,
@@ -217,7 +217,7 @@ def _print(found: "list[Assessment]") -> None:
         ("AUROC of unknown materials, least", [min(one.unknown.values(), default=None) for one in found]),
     )
     echo()
-    echo(f"{'share of windows told right':<36}" + "".join(f"{_name(one.kind):>14}" for one in found))
+    echo(f"{'share of windows classified right':<36}" + "".join(f"{_name(one.kind):>14}" for one in found))
     for name, values in rows:
         echo(f"{name:<36}" + "".join(f"{_figure(value):>14}" for value in values))
 

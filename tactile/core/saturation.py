@@ -14,7 +14,7 @@ class Saturation:
     """Called with the readings (rows, cols, 3) of each frame; returns the saturated taxels, or None.
 
     A converter or amplifier outside its range repeats one number, while other readings jitter. Where the converter step
-    is coarser than half of the jitter this cannot be told from a held load, and no taxel is marked.
+    is coarser than half of the jitter this cannot be distinguished from a held load, and no taxel is marked.
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:

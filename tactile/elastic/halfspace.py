@@ -78,7 +78,7 @@ def point_scale(depth: float, medium: Medium) -> tuple[float, float]:
     factor, trace = medium.reading
     scale = factor / (2 * math.pi) / depth / depth if depth > 1e-150 else math.inf
     if not math.isfinite(scale):
-        raise InputError(f"depth {depth} m: the reading under a load grows over all numbers, a larger depth wanted")
+        raise InputError(f"depth {depth} m: the reading under a load overflows, a larger depth wanted")
     return scale, 2 * trace
 
 

@@ -1,7 +1,7 @@
 """Stability of a located place: how far it moves without the normal signals, or without one of the strongest taxels.
 
-Thin covers and wide tips bend the signals alike in every frame, so the place is less certain than noise of the size of
-the residuals would say. On a thin cover the shear still points to the load while the normal signals do not fit.
+Thin covers and wide tips bend the signals alike in every frame, so the place is less certain than if the residuals
+were noise. On a thin cover the shear still points to the load while the normal signals do not fit.
 """
 
 import math
@@ -24,7 +24,7 @@ FIT_ANYTHING = 0.02
 
 
 def unstable(fit: Fit, *, left_out: bool) -> bool:
-    """Whether the place of the only load depends on what the load does not explain; ``left_out``: a taxel is."""
+    """Whether the place of the only load depends on unexplained signals; ``left_out``: a taxel is left out already."""
     count = len(fit.signals.seen)
     if len(fit.signals.layer) and fit.signals.tie.any() and len(fit.loads) == 1 and _depends_on_shear(fit):
         return True
@@ -39,7 +39,7 @@ def unstable(fit: Fit, *, left_out: bool) -> bool:
 def _depends_on_shear(fit: Fit) -> bool:
     """Whether shear that the taxels do not measure may move the place: on a layer it does.
 
-    A place outside may be another one altogether: two taxels on the bottom give four numbers for it, which always fit.
+    A place outside is never certain: two taxels on the bottom give four numbers for it, which always fit.
     """
     signals, (x, y, _, _, f) = fit.signals, fit.loads[0]
     if ((signals.seen - (x, y)) ** 2).sum(axis=1).min() >= 2:

@@ -1,7 +1,7 @@
 """Choice of a model for the signals of all taxels: one load, a false or clipped reading, a false taxel, several loads.
 
-The simplest model is kept unless another one leaves much less; where two models leave about as much the answer is
-ambiguous.
+The simplest model is kept unless another one leaves a much smaller residual. Where the residuals of two models are
+similar, the answer is ambiguous.
 """
 
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ SECOND_FROM = 6
 
 
 def best_model(taxels: Taxels, one: Candidate) -> Candidate:
-    """Return the single load, or the model that explains the signals much better; ambiguous where two do alike."""
+    """Return the single load, or a model that explains the signals much better; ambiguous if two explain them alike."""
     first, one = one, _without_certain(one)
     if one.fit.excess > 0 or one.fit.misfit > SLIGHT_MISFIT:
         one = _without_reading(one)
@@ -147,9 +147,9 @@ def _without_reading(one: Candidate) -> Candidate:
 
 
 def _without_false(one: Candidate) -> Candidate | None:
-    """Return the candidate without one reading of the strongest taxels if all others say that it is false.
+    """Return the candidate without one reading of the strongest taxels if it contradicts all others.
 
-    Ambiguous where another one may be false instead and the load is elsewhere then.
+    Ambiguous where another reading may be false instead, with a load at another place.
     """
     from tactile.inverse import residual_tests_numba as tests  # numba is slow to import
 
@@ -194,7 +194,7 @@ def _possible(fit: Fit) -> bool:
 
 
 def _or_second(taxels: Taxels, one: Candidate, found: Candidate) -> Candidate:
-    """Return what was found without a taxel, or that taxel explained as another load."""
+    """Return the model without a taxel, or the model with that taxel under another load."""
     gone = np.setdiff1d(one.order, found.order)
     if gone.size != 1:
         return found

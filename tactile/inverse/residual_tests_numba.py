@@ -1,7 +1,7 @@
 """Statistical tests of the residuals of one point load, compiled: noise, false readings, width, a second load.
 
-What a load leaves beyond the noise counts once, not once for each degree of freedom, since a thin cover or a wide tip
-bends all signals alike. An error in one reading, or a width, that the load absorbs counts where it is likely.
+The residual of a load beyond the noise counts once, not once for each degree of freedom, because a thin cover or a wide
+tip bends all signals alike. An error in one reading, or a width, that the load absorbs counts where it is likely.
 
 Sources: R. T. Birge, Phys. Rev. 40 (1932) 207; W. Baarda, A testing procedure for use in geodetic networks (1968);
 J. G. MacKinnon, H. White, J. Econometrics 29 (1985) 305, third estimate; R. E. Kass, A. E. Raftery, J. Am. Stat. Assoc.
@@ -35,7 +35,7 @@ from tactile.inverse.limits import (
 )
 
 SOUND, FALSE, ONE_OF_TWO = 0, 1, 2
-"""No reading is false; one is; one of two is, and their loads differ."""
+"""Verdicts: no reading is false; one is false; one of two is false, and the loads without them differ."""
 RADIUS, AROUND = 0.5, 4
 """Radius and number of places of the ring that stands for a width; its mean square radius is that of a ball's contact
 of 0.8 depths."""
@@ -43,7 +43,7 @@ of 0.8 depths."""
 
 @kept_njit(error_model="numpy")
 def unexplained(data, load, noise, chi, excess, free, covariance, more):  # type: ignore[no-untyped-def]
-    """Fill ``more`` (5,): variances of a load beyond those of noise, from what it leaves unexplained.
+    """Fill ``more`` (5,): variances of a load from its residuals beyond the noise.
 
     Return the most that one reading explains of chi^2, the largest part of an error in a reading that the load absorbs,
     the reading (3 taxel + axis) that explains most, and whether the largest reading may be clipped.
@@ -184,11 +184,11 @@ def second_load(data, load, covariance, left):  # type: ignore[no-untyped-def]
 
 @kept_njit(error_model="numpy")
 def false_reading(data, load, chi, free, noise, tests, found):  # type: ignore[no-untyped-def]
-    """Return what is said of a single reading, `SOUND`, `FALSE` or `ONE_OF_TWO`, and the reading (3 taxel + axis).
+    """Return the verdict on a single reading, `SOUND`, `FALSE` or `ONE_OF_TWO`, and the reading (3 taxel + axis).
 
     ``tests``: excess, misfit, and what `unexplained` returns; ``found`` (2, 5) becomes the loads without it and without
-    the next best one. Tried are the reading that explains most to first order, from ``load`` on, and those of the
-    strongest taxel from the load that the other taxels feel.
+    the next best one. Tried are the reading that explains most to first order, starting from ``load``, and those of
+    the strongest taxel, starting from the load that fits the other taxels.
     """
     at, felt, scale, strain, layer, tie = data
     excess, misfit, most, hidden, worst, _ = tests

@@ -37,7 +37,7 @@ from tactile.inverse.taxel_numba import answers
 from tactile.inverse.validity import Validity
 
 DOUBTFUL, NOTHING, FOUND = 0, 1, 2
-"""`single_load` leaves the frame to the comparison of models; no taxel feels anything; the answer is filled in."""
+"""Results of `single_load`: the models must be compared; no taxel has a signal; the answer is filled in."""
 INVALID = float(Validity.INVALID)
 
 
@@ -45,8 +45,8 @@ INVALID = float(Validity.INVALID)
 def one_load(at, planes, weights, order, units, noise):  # type: ignore[no-untyped-def]  # numba types it at the call
     """Return the places tried, best and next best of them, the signals, and the load (1, 5) with what `fit` returns.
 
-    ``weights``: signal, trust and scale of the taxels; ``units``: depth, whether they feel strain, table of the layer,
-    and the signal that counts as 1.
+    ``weights``: signal, trust and scale of the taxels; ``units``: depth, whether they measure strain, table of the
+    layer, and the signal that counts as 1.
     """
     signal, trust, scale = weights
     depth, strain, layer, top = units
@@ -70,7 +70,7 @@ def single_load(values, planes, at, weights, units, noise, answer):  # type: ign
 
     ``values`` (rows, cols, 3) readings, or (rows, cols, 0) where ``planes`` (families, 4, n) of the inverse are given;
     ``at`` (n, 2) [m]; ``weights``: scale and trust; ``units``: scale of the inverse, depth [m], floor, whether the
-    taxels feel strain, and table of the layer; ``noise`` [N], 0 where it is unknown.
+    taxels measure strain, and table of the layer; ``noise`` [N], 0 where it is unknown.
     """
     scale, trust = weights
     times, depth, floor, strain, layer = units

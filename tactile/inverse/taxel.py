@@ -80,7 +80,7 @@ def invert_stress(s_xz: Array, s_yz: Array, s_zz: Array, depth: float, floor: fl
         s / z = -(2 pi z^2 / 3) (1 + rho^2 / z^2)^(5/2) sigma_zz
 
     Planes and arguments: as ``invert_strain``, stresses and ``floor`` in [Pa]. Never ambiguous; where sigma_zz is
-    (next to) nothing beside the shear stress the load is out of reach: INVALID.
+    negligible against the shear stress the load is out of reach: INVALID.
 
     Source: Vasarhelyi, Fodor, Roska, eqs (10), (11).
     """

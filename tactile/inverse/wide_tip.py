@@ -35,7 +35,7 @@ def variance_of_wide(fit: Fit) -> float:
 
 
 def _width(fit: Fit, load: Floats, radius: float) -> Floats:
-    """Return what the width of a tip adds to the signals (n, 3) of a point load (1, 5).
+    """Return the difference of the signals (n, 3) under a wide tip and under a point load (1, 5).
 
     Hertz's pressure over a circle of radius a has, up to the fourth, the moments of 0.3 of the load in the middle and
     0.7 on a ring of radius sqrt(4 / 7) a.

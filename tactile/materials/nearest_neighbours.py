@@ -61,7 +61,7 @@ class Vote(NamedTuple):
 
     @property
     def share(self) -> Floats:
-        """(n,) its share."""
+        """(n,) largest share of the votes."""
         return self.shares.max(1)
 
 

@@ -114,7 +114,7 @@ def _signals(normal: Any, shear: Any, columns: Columns, array: TaxelArray) -> No
 
 
 def _looked_at(signal: Floats, doubted: Any, least: float) -> Floats:
-    """Return the values that set the axis: certain ones, and uncertain ones near them."""
+    """Return the values that set the limits of the axis: certain ones, and uncertain ones near them."""
     sure = signal[np.isfinite(signal) & ~doubted]
     if not sure.size:
         return signal

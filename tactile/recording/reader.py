@@ -141,10 +141,10 @@ class StoredSource:
         path, shapes = self._recorded.path, [array.shape for array in self.arrays]
         for frame in self._recorded.stored_frames():
             if frame.finger >= len(shapes):
-                raise InputError(f"{path}: damaged: a frame of finger {frame.finger}; its head has {len(shapes)}")
+                raise InputError(f"{path}: damaged: a frame of finger {frame.finger}; the header has {len(shapes)} fingers")
             if frame.valid.shape != shapes[frame.finger]:
                 there, told = (" x ".join(map(str, shape)) for shape in (frame.valid.shape, shapes[frame.finger]))
-                raise InputError(f"{path}: damaged: a frame of {there} taxels, of which its head says {told}")
+                raise InputError(f"{path}: damaged: a frame of {there} taxels; {told} by its header wanted")
             yield frame
 
 

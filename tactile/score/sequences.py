@@ -186,8 +186,8 @@ def score_sequences(
         if board.array.quantity != "force" and board.array.name in description.uncalibrated:
             raise InputError(
                 f"finger {board.array.name!r}: {description.wire.name} sends microtesla, called {board.array.quantity}"
-                " without gains; gains = [shear, normal] per uT wanted, or, where nobody knows them, quantity ="
-                ' "force": events go by the noise'
+                " without gains; gains = [shear, normal] per uT wanted, or, where they are unknown, quantity ="
+                ' "force": events use the noise only'
             )
     explained = pressed = 0
     found = {f"x {gain:g}": Verdicts() for gain in gains} | {"baseline: norm": Verdicts()}

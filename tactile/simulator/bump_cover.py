@@ -56,7 +56,7 @@ class Bumps:
         """
         at = array.positions().reshape(-1, 2)
         widest = float(np.linalg.norm(at[-1] - at[0]))
-        # bodies of a few sizes only, so that arrays share tables; beyond 2 thicknesses a bonded body feels little
+        # bodies of a few sizes only, so that arrays share tables; beyond 2 thicknesses a bonded body hardly deforms
         unit = 2 * self.shape.thickness + 5 * self.shape.radius
         reach = unit * 2.0 ** np.ceil(np.log2((widest + unit) / unit))
         shape = Shape(self.shape.radius, self.shape.thickness, reach, self.shape.contact, self.shape.fillet)

@@ -75,7 +75,7 @@ def _read(path: Path, lines: list[str]) -> FrameStream:
 def write_csv(path: Path, source: Source) -> None:
     """Write all frames of a source; reading them back gives the same numbers bit for bit.
 
-    Invalid taxels become empty cells, whatever their reading.
+    Invalid taxels become empty cells, without their reading.
 
     Raises:
         InputError: two fingers have the same name.

@@ -71,7 +71,7 @@ def _read_sensor(file: "np.lib.npyio.NpzFile", number: int, path: Path) -> tuple
     name = f"s{number}"
     for wanted in STAMPS:
         if f"{name}_{wanted}" not in file.files:
-            raise InputError(f"{path}: array {name}_{wanted} is missing beside {name}_force")
+            raise InputError(f"{path}: array {name}_{wanted} is missing; it belongs to {name}_force")
     force = np.asarray(file[f"{name}_force"], dtype=np.float64)
     if force.ndim != 3 or force.shape[2] != 3 or not force.shape[0]:
         raise InputError(f"{path}: {name}_force of shape {force.shape}, (frames, pillars, 3) wanted")

@@ -67,7 +67,7 @@ class Rig:
 
 
 def sum_of(rises: Sequence[tuple[Floats, float]]) -> Floats:
-    """Return the total rise of the cover [m], whatever the tips."""
+    """Return the total rise of the cover [m] over all movements."""
     return np.asarray(sum(rise for rise, _ in rises))
 
 

@@ -181,7 +181,7 @@ def _fallen(name: str, body: Indenter, force: float, field: Field) -> Iterator[s
 
 
 def _dragged(name: str, over: float, contact: MovingContact) -> Iterator[str]:
-    """Lines for tangential loads on covers thinner than those that the models were compared on."""
+    """Lines for tangential loads on covers too thin for the compared models."""
     pulls = np.hypot(contact.path[:, 1 + Q], contact.path[:, 1 + R]) > 0
     if contact.indenter.shape == "flat_punch" and pulls.any() and over > STICKS:
         yield (
@@ -206,4 +206,4 @@ def _width(name: str, wide: float, extent: str, body: Indenter, taken: str) -> I
             f"{taken}"
         )
     if wide > WIDE * body.radius:
-        yield f"{said}; at most {WIDE:g} of it wanted, for Hertz takes it for {taken}"
+        yield f"{said}; at most {WIDE:g} of it wanted, because Hertz' law takes it for {taken}"

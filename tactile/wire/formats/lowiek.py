@@ -108,7 +108,7 @@ class LowiekDecoder(Decoder):
         """Find the phase and skip the bytes before it; at the end of the stream fewer frames suffice."""
         data, length = self._buffer, self._length
         proof = min(PROOF, len(data) // length) if over else PROOF
-        starts = len(data) - proof * length + 1  # offsets from which so many frames fit
+        starts = len(data) - proof * length + 1  # offsets from which ``proof`` frames fit
         alone = proof < LAST_PROOF and len(data) == proof * length  # a stream of a frame or two and nothing else
         if (starts < length and not over) or (over and proof < LAST_PROOF and not (proof and alone)):
             return None

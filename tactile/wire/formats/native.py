@@ -1,4 +1,4 @@
-"""The native format, for firmware of one's own: COBS frames with a CRC-16, any rows x cols x 3.
+"""The native format, for your own firmware: COBS frames with a CRC-16, any rows x cols x 3.
 
 One frame is the COBS code of the packet below, then one zero byte. Little endian, no padding:
 
@@ -60,7 +60,7 @@ class NativeDecoder(Decoder):
                 return Found(self._longest)
             self._searched = len(self._buffer)
             return None
-        if end == 0:  # a device may send a zero first, to end whatever noise came before
+        if end == 0:  # a device may send a zero first, which ends any noise before it
             return Found(0, 1)
         try:
             packet = cobs.decode(bytes(self._buffer[:end]))
@@ -97,7 +97,7 @@ class NativeEncoder(Encoder):
         self._shapes, self._kind = options.shapes, int(value == "float32")
 
     def preamble(self) -> bytes:
-        """Return a zero, which ends whatever noise came before."""
+        """Return a zero, which ends any noise before it."""
         return b"\0"
 
     def encode(self, boards: Sequence[Taxels], sequence: int, t_device: float) -> bytes:
@@ -115,7 +115,7 @@ class NativeEncoder(Encoder):
 
 
 def _longest(taxels: int) -> int:
-    """Return the bytes of a frame of so many taxels in float32 with the overhead of COBS."""
+    """Return the length [bytes] of a float32 frame of ``taxels`` taxels with the overhead of COBS."""
     packet = HEADER.size + taxels * 3 * 4 + CRC.size
     return packet + packet // 254 + 2
 
@@ -123,7 +123,7 @@ def _longest(taxels: int) -> int:
 FORMATS = {
     "native": Format(
         "native",
-        "COBS frames with CRC-16, sequence number and device time, for firmware of one's own",
+        "COBS frames with CRC-16, sequence number and device time, for your own firmware",
         921600,
         None,
         NativeDecoder,

@@ -119,7 +119,7 @@ def test_extreme_forces_and_depths_on_the_axis_and_beside_it(depth: float, force
 def test_no_force_no_strain_and_what_is_no_number_is_refused() -> None:
     assert not direct_sum(np.zeros((2, 2)), 1e-3, np.zeros((3, 4, 5)), Medium(1.0)).any()
     assert direct_sum(np.zeros((2, 2)), 1e-3, np.zeros((3, 0, 5)), Medium(1.0)).tolist() == np.zeros((3, 2, 3)).tolist()
-    with pytest.raises(InputError, match="grows over all numbers"):
+    with pytest.raises(InputError, match="overflows"):
         point_load_strain((0, 0), 1e-160, [(0, 0, 0, 0, 1)], 1.0)
     with pytest.raises(InputError, match=r"load \[0, 1\] is not finite"):
         direct_sum(np.zeros((2, 2)), 1.0, np.array([[[0, 0, 0, 0, 1], [0, 0, 0, 0, np.nan]]]), Medium(1.0))

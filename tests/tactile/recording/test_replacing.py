@@ -131,7 +131,7 @@ def test_a_description_does_not_overwrite_another_file(tmp_path: Path) -> None:
     array, link = tmp_path / "a.toml", tmp_path / "skin"
     array.write_text("mine")
     result = call("emulate", "--protocol", "native", "--scene", GRIP, "--link", link, "--write-array", array)
-    assert (result.exit_code, "something else of that name" in result.stderr) == (2, True)
+    assert (result.exit_code, "the name is taken" in result.stderr) == (2, True)
     assert array.read_text() == "mine"
     assert not os.path.lexists(link)
     array.unlink()

@@ -88,7 +88,7 @@ class PushEncoder(PaxiniEncoder):
             return self._reply(function, register, there[:dlen])
         if right and (function, register, data[1:]) == (px.WRITE, px.AUTO_PUSH, b""):
             self._pushing = data != b"\0"
-            return _pushed(b"")  # this one is answered in the form of a push
+            return _pushed(b"")  # the answer to this request has the form of a push
         if right and (function, register, data[1:]) == (px.WRITE, px.DATA_TYPE, b"") and data in (b"\1", b"\2", b"\3"):
             self._kinds = data[0]
             return self._reply(function, register, b"\0")
@@ -98,7 +98,7 @@ class PushEncoder(PaxiniEncoder):
         return self._reply(function | 0x80, register, b"")
 
     def _registers(self) -> dict[int, bytes]:
-        """What can be read: the modules are the first slots, as many as there are."""
+        """Contents of the readable registers; the modules are in the first slots."""
         modules = ((1 << len(self._taxels)) - 1).to_bytes(4, "little")
         counts = struct.pack(f"<{len(self._taxels)}H", *self._taxels).ljust(56, b"\0")
         each = {px.POINT_COUNTS + 2 * n: counts[2 * n :] for n in range(28)}
