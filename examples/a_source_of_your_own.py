@@ -19,10 +19,10 @@ class Push:
 
 def main() -> None:
     """Print what happened."""
-    told: list[tuple[float, str]] = []
-    run(Push(), Settings(), [lambda one: told.extend((event.t, event.words) for event in one.events)])
-    print(told)
-    assert 0.09 <= told[0][0] <= 0.1 and told[-1][1] == "tangential load +x"
+    found: list[tuple[float, str]] = []
+    run(Push(), Settings(), [lambda one: found.extend((event.t, event.words) for event in one.events)])
+    print(found)
+    assert 0.09 <= found[0][0] <= 0.1 and found[-1][1] == "tangential load +x"
 
 
 if __name__ == "__main__":

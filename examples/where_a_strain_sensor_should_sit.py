@@ -1,4 +1,4 @@
-"""Where a strain sensor under a bump should sit, when nobody knows how wide the contact will be.
+"""Where a strain sensor under a bump should sit, if the width of the contact is unknown.
 
 The paper argues with displacements, and its sensors measure strain. Straight below a tangential force there is no shear
 strain: what a sensor on the axis reads comes from the contact's width and from the tilting of the bump, which have
@@ -91,7 +91,7 @@ On the axis a shear sensor must sit shallow: down to {0:.0f} um under the body's
 contact's width, and at 20 um its gain varies by a factor of {1:.1f}. At the paper's 200 um the sign itself is open.
 Where 200 um of rubber are needed, two normal sensors {2:.0f} um to both sides of the axis do better: half their
 difference is the shear force, of one sign and within a factor of {3:.1f} for all contacts and as large as what the
-normal force makes; half their sum is the normal force, the same for all contacts; neither feels the other load."""
+normal force makes; half their sum is the normal force, the same for all contacts; neither depends on the other load."""
 
 
 def main(output: Path) -> None:

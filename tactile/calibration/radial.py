@@ -120,7 +120,7 @@ def radial_from_scan(found: ArrayLike, true: ArrayLike, forces: ArrayLike, load:
             " wanted"
         )
     if not all(np.isfinite(values).all() for values in (at, place, pressing)):
-        raise InputError("numbers that are not finite in the scan, finite ones wanted")
+        raise InputError("numbers in the scan that are not finite; finite ones wanted")
     if rings < 1 or not load > 0:
         raise InputError(f"{rings} rings under {load} N, at least one ring and a load that presses wanted")
     rho = np.hypot(place[:, 0], place[:, 1])

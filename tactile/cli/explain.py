@@ -25,7 +25,7 @@ FULL = 1000
 def explain(scene: Path, write: Path | None, as_json: bool) -> None:
     """Show the size and time of each part of a scene.
 
-    Of the parts that SCENE leaves out: what they would change.
+    Effects that SCENE does not use are listed with the change that they would make.
     """
     from tactile.simulator.explain import explain_file  # not for --help
 

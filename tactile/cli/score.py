@@ -44,7 +44,7 @@ FEW = 0.5
 @click.option(
     "--gain", "gains", type=Finite(), multiple=True, help="Of sequences: also try readings times this; again."
 )
-@click.option("--kind", "kinds", multiple=True, help="Of sequences: kind that counts as a slip [all of pulling and slipping].")
+@click.option("--kind", "kinds", multiple=True, help="Of sequences: kind that is a slip [all of pulling and slipping].")
 @click.option(
     "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file does not say it."
 )

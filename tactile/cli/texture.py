@@ -27,7 +27,7 @@ def _shared(command: Callable[..., None]) -> Callable[..., None]:
         click.option("--labels", type=FILE, help="CSV: recording, material, and what is known of sensor, start_s,"
                      " stop_s, speed_mm_s, block."),
         click.option("--window", type=int, default=128, show_default=True, help="Samples of a window."),
-        click.option("--speed", type=float, help="Speed of all slides [mm/s]: spectra count along the way."),
+        click.option("--speed", type=float, help="Speed of all slides [mm/s]: spectra are then in 1/m."),
         JSON,
     )):  # fmt: skip
         command = option(command)

@@ -59,7 +59,7 @@ def header_text(source: Source) -> str:
     """
     names = [array.name for array in source.arrays]
     if len(set(names)) < len(names):
-        raise InputError(f"fingers {names}: each needs a name of its own to be written")
+        raise InputError(f"fingers {names}: distinct names wanted")
     known = provenance(source)
     top: dict[str, Any] = {"tactile_recording": 1, "title": source.title}
     if source.modulus is not None:

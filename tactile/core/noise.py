@@ -48,7 +48,7 @@ class Noise:
         return (self.sigma > NOISY * typical).any(-1) & ~self.dead & enough
 
     def and_before(self, before: "Noise | None") -> "Noise":
-        """Return the larger of this noise and the fading noise ``before``, because a calm block proves little."""
+        """Return the larger of this noise and the fading noise ``before``: a single calm block may underestimate it."""
         if before is None:
             return self
         sigma, jitter = np.maximum(self.sigma, FADE * before.sigma), np.maximum(self.jitter, FADE * before.jitter)

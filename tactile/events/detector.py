@@ -65,7 +65,7 @@ class Detector:
         return found
 
     def _named(self, what: Transition) -> Transition:
-        """Give the first kind of an event the onset of that event, because the kind shows later."""
+        """Return the transition; the first event of a ``kind_of`` gets the onset of the event whose kind it shows."""
         if what.change == "ends":
             self._unnamed.pop(what.rule.kind, None)
             return what

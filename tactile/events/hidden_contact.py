@@ -38,7 +38,7 @@ class HiddenContact:
         self._off, self._on = (float(np.median(one[..., 2])) * self._under for one in (levels.off, levels.on))
 
     def write(self, load: Load, pressing: Floats, use: Flags) -> None:
-        """Write such a contact into the plane ``pressing`` (rows, cols), at the nearest taxel in ``use``."""
+        """Write a contact between taxels into the plane ``pressing`` (rows, cols), at the nearest taxel in ``use``."""
         if not self._off < load.F:
             return
         x, y = load.x - self._origin[0], load.y - self._origin[1]

@@ -140,7 +140,7 @@ class PlanePool:
         return plane is self._black
 
     def late(self, name: str | None, since: float) -> float | None:
-        """Return the measured delay [s] of what came on at ``since``, by one of `LATE`; None if unknown."""
+        """Return the delay [s], measured by one of `LATE`, of a plane that came on at ``since``; None if unknown."""
         if name is None or self._moment is None:
             return None
         signals = self._moment.signals

@@ -71,7 +71,7 @@ class FeatureSet:
         return tuple(names + [f"{what} {name}" for what in ("step", "skewness", "kurtosis") for name in CHANNELS])
 
     def __call__(self, t: Floats, force: Floats, speed: float | None = None) -> Floats:
-        """Return the features of one window: ``t`` (n,) [s]; ``force`` (n, 3) as in `Slide`; ``speed`` [m/s], ``by_way``.
+        """Return the features of one window: ``t`` (n,) [s]; ``force`` (n, 3) as in `Slide`; ``speed`` [m/s].
 
         NaN where less than half of it is pressed, or nothing changes.
         """

@@ -26,7 +26,7 @@ def numbered(table: WindowTable) -> tuple[tuple[str, ...], Integers]:
     few = [one for one in materials if len(set(table.slide[found == one])) < 2]
     if len(materials) < 2 or few:
         said = f"1 slide with windows of {', '.join(few)}" if few else f"materials {', '.join(materials)}"
-        raise InputError(f"{said}; two materials and two slides of each wanted at least")
+        raise InputError(f"{said}; at least two materials with two slides each wanted")
     return tuple(materials), np.array([materials.index(one) for one in found])
 
 

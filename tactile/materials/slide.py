@@ -33,7 +33,7 @@ class Slide:
                 " (n,) and (n, 3) wanted"
             )
         if not (np.isfinite(self.t).all() and (np.diff(self.t) > 0).all()):
-            raise InputError(f"slide {self.name}: times that do not increase; increasing ones [s] wanted")
+            raise InputError(f"slide {self.name}: times that do not increase; increasing times [s] wanted")
         if self.speed is not None and not (np.isfinite(self.speed) and self.speed > 0):
             raise InputError(f"slide {self.name}: speed {self.speed} m/s; a positive number wanted")
 

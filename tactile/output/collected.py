@@ -108,7 +108,7 @@ class Collected:
 
     @property
     def events(self) -> list[Event]:
-        """All events, sorted by onset, each with its end if it is over."""
+        """All events, sorted by onset; those that ended have their end."""
         return self._log.events
 
     def columns(self, finger: str) -> Columns:

@@ -42,7 +42,7 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
             force = f"{error['force_median_n']:.2g} N, at most {error['force_max_n']:.2g}"
             screen.print(f"{name}: error against the ground truth: {place}; {force}", highlight=False, markup=False)
     if (earlier := len(collected.outputs) - SAID) > 0:
-        screen.print(f"{earlier} outputs of programs before these; --json has all", highlight=False, markup=False)
+        screen.print(f"{earlier} earlier outputs of programs not shown; --json has all", highlight=False, markup=False)
     for t, finger, name, outputs in collected.outputs[-SAID:]:
         plain = ", ".join(f"{key} {_short(value)}" for key, value in outputs.items())
         screen.print(f"{t:.3f} {finger}: {name}: {plain}", highlight=False, markup=False)
@@ -89,7 +89,7 @@ def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArr
         table = _table(headings, rows, screen.width)
     screen.print(table)
     if dropped:
-        screen.print(f"no room for: {', '.join(dropped)}; --json has all", highlight=False, markup=False)
+        screen.print(f"columns without room: {', '.join(dropped)}; --json has all", highlight=False, markup=False)
 
 
 def _table(headings: list[str], rows: list[dict[str, str]], width: int = WIDE) -> "Table":

@@ -141,10 +141,10 @@ class StoredSource:
         path, shapes = self._recorded.path, [array.shape for array in self.arrays]
         for frame in self._recorded.stored_frames():
             if frame.finger >= len(shapes):
-                raise InputError(f"{path}: damaged: a frame of finger {frame.finger}; the header has {len(shapes)} fingers")
+                raise InputError(f"{path}: damaged: a frame of finger {frame.finger}, {len(shapes)} in its header")
             if frame.valid.shape != shapes[frame.finger]:
                 there, told = (" x ".join(map(str, shape)) for shape in (frame.valid.shape, shapes[frame.finger]))
-                raise InputError(f"{path}: damaged: a frame of {there} taxels; {told} by its header wanted")
+                raise InputError(f"{path}: damaged: a frame of {there} taxels, {told} in its header")
             yield frame
 
 

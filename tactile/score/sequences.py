@@ -74,7 +74,7 @@ def read_sequences(path: Path, description: Description, rate: float | None = No
     if signal.shape[1] <= 2 * BROAD + QUIET:
         raise InputError(f"{path}: sequences of {signal.shape[1]} frames; more than {2 * BROAD + QUIET} wanted")
     if rate is None and "rate_hz" not in found:
-        raise InputError(f"{path}: no rate_hz; it, or --rate, wanted")
+        raise InputError(f"{path}: no rate_hz; rate_hz or --rate wanted")
     hertz = float(rate if rate is not None else found["rate_hz"])
     if not 0 < hertz < np.inf:
         raise InputError(f"{path}: rate of {hertz} Hz; a positive number wanted")

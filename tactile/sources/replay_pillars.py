@@ -46,7 +46,7 @@ def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarStream:
     Of every sensor: ``s0_force`` (T, pillars, 3) [N], last axis x, y, z with z positive when pressed, the pillars
     row by row of a square; ``s0_t_ns`` (T,) host stamps [ns]; ``s0_seq`` (T,); ``s0_tus`` (T,) device stamps [us];
     and where there are any ``s0_flags`` (T, 3): slip detection on, reference loaded, contact.
-    Other arrays in the file are left alone.
+    Other arrays in the file are ignored.
 
     Raises:
         InputError: no sensor in it, a missing array or one of the wrong shape.

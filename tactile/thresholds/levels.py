@@ -24,7 +24,7 @@ class Sigmas:
     """Thresholds as multiples of sigma: ``dead_band``, ``hysteresis`` above it, ``contact`` level (end of contact).
 
     Normal noise passes 3 sigma once in 10^3 readings, 4 once in 10^4, 6 once in 10^9; noise that is slow or grows
-    under a load passes more often, which is what the hysteresis is for.
+    under a load passes more often, therefore the hysteresis.
 
     Raises:
         InputError: a negative or infinite number.

@@ -1,6 +1,7 @@
 """Law of the tip over a contact at a point on a layer: its stiffness, and the circle over which it spreads the force.
 
-A point may press with any force: beyond its tables the law goes on as a power, where a body's would refuse the scene.
+A point may press with any force: beyond its tables the law is extrapolated as a power. The law of a body is refused
+there.
 """
 
 from functools import lru_cache

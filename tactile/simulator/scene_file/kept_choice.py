@@ -26,7 +26,7 @@ def write_choice(path: Path, table: dict[str, Any], choice: Choice | None, write
     if choice is None:
         raise InputError(f"{path}: nothing to keep; a scene with effects = 'auto' wanted")
     if write.resolve() == path.resolve():
-        raise InputError(f"{write} is the scene itself; another name wanted")
+        raise InputError(f"{write}: the name of the scene itself; another name wanted")
     files = table.get("map") or any("file" in contact for contact in table.get("contact", []))
     if files and write.resolve().parent != path.resolve().parent:
         raise InputError(f"{write}: {path} reads files of its folder; a file in the same folder wanted")

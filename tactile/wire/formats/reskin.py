@@ -30,7 +30,7 @@ ROOM_TEMPERATURE = 25.0
 
 
 def possible(chips: NDArray[np.float32]) -> bool:
-    """Return whether no number of (chips, 4) is beyond what chips send."""
+    """Return whether all numbers (chips, 4) are within the range of the chips."""
     return bool(((chips > LOWEST) & (chips < HIGHEST)).all())
 
 

@@ -92,7 +92,7 @@ def test_an_event_takes_at_most_two_lines(
     assert len(body) == 9 * most
     assert max(map(len, shown)) <= width
     assert sum("(+1.00, -2.00) +0.100 +0.200 +4.200" in line for line in body) == 9
-    assert ("no room for: hand" in " ".join(shown)) == (width < 150)
+    assert ("columns without room: hand" in " ".join(shown)) == (width < 150)
 
 
 def test_outputs_of_programs_in_json_and_the_last_in_the_table(
@@ -111,5 +111,5 @@ def test_outputs_of_programs_in_json_and_the_last_in_the_table(
     }  # fmt: skip
     tables(collected, (array,))
     shown = capsys.readouterr().out
-    assert "3 outputs of programs before these" in shown
+    assert "3 earlier outputs of programs not shown" in shown
     assert shown.count("mine: here") == 5

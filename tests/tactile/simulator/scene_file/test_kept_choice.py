@@ -47,7 +47,7 @@ def test_a_choice_is_kept_beside_its_scene_and_the_files_it_reads(tmp_path: Path
     path = tmp_path / "scene.toml"
     path.write_text(text, encoding="utf-8")
     done = CliRunner().invoke(command, [str(path), "--write", str(path)], standalone_mode=False)
-    assert "is the scene itself; another name wanted" in str(done.exception)
+    assert "the name of the scene itself; another name wanted" in str(done.exception)
     assert path.read_text(encoding="utf-8") == text
     table = tomllib.loads(text) | {"contact": [{"shape": "height_map", "file": "key.npy"}]}
     with pytest.raises(InputError, match="reads files of its folder"):
