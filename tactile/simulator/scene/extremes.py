@@ -13,7 +13,7 @@ from tactile.simulator.ideal_skin import IdealSkin
 from tactile.simulator.scene.hardest_frames import hardest_frames, most_strained
 
 EVEN = 64
-"""Number of evenly spread frames among those that are checked."""
+"""Number of evenly spread frames among the checked ones."""
 DEEP = 0.3
 """Indentation over thickness, and strain, from which linear rubber is wrong by about a third."""
 NEAR = 0.02
