@@ -16,12 +16,14 @@ import json, sys
 import numpy as np
 import cnnsim
 from cnnsim.supersteps.engine import Engine
-x = np.random.default_rng(3).uniform(-1, 1, (96, 96)).astype("f4")
-template = cnnsim.Template([[0, 0.2, 0], [0.2, 1.4, 0.2], [0, 0.2, 0]], 0.0, 0.1)
-task = dict(state=x, duration=1.0, backend="opencl", dtype="float32")
-whole = cnnsim.run_transient(template, **task)
-parts = cnnsim.run_transient(template, **task, engine=Engine(workers=int(sys.argv[1]), side=16, depth=2))
-print(json.dumps([bool(np.array_equal(whole.x, parts.x)), dict(parts.plan.decisions)]))
+
+if __name__ == '__main__':  # workers import this file
+    x = np.random.default_rng(3).uniform(-1, 1, (96, 96)).astype("f4")
+    template = cnnsim.Template([[0, 0.2, 0], [0.2, 1.4, 0.2], [0, 0.2, 0]], 0.0, 0.1)
+    task = dict(state=x, duration=1.0, backend="opencl", dtype="float32")
+    whole = cnnsim.run_transient(template, **task)
+    parts = cnnsim.run_transient(template, **task, engine=Engine(workers=int(sys.argv[1]), side=16, depth=2))
+    print(json.dumps([bool(np.array_equal(whole.x, parts.x)), dict(parts.plan.decisions)]))
 """
 
 
