@@ -1,4 +1,4 @@
-"""Every backend there is, in every dtype it computes in, OpenCL with both its families of kernels."""
+"""All backends in all their dtypes; OpenCL with both its families of kernels."""
 
 from functools import cache
 from typing import Any, NamedTuple, cast

@@ -1,4 +1,4 @@
-"""Rules of library templates, from their tasks in words."""
+"""Rules of library templates, written from the descriptions of their tasks."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A .tem file as it is found in the wild."""
+"""A .tem file like those of the published libraries."""
 
 HOLE = """%Function:\tFills holes.
 %TemLibName:\tHoleFiller

@@ -1,8 +1,8 @@
-"""Which tests build OpenCL kernels with the device's optimiser: the others build them in haste, without.
+"""Which tests build OpenCL kernels with the device's optimiser; the others build them without it.
 
-It takes two thirds of most tests of kernels, anew for every template, boundary and dtype. What it may make of the text
-(where that is undefined, or rounded otherwise) shows where all kernels, schemes and kinds of terms come by, and in the
-hard cases; what a library's template does shows without. Kernels that run for longer than it takes are optimised, too.
+The optimiser takes two thirds of the time of most kernel tests, because it runs for every template, boundary and dtype.
+Its effects (undefined behaviour, other rounding) show in tests that cover all kernels, schemes and kinds of terms, and
+in the hard cases; library templates are tested without it. Kernels that run longer than it takes are optimised, too.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ OPTIMISED = {
     "backends/test_slices.py": ("heard",),
     "hard_cases/": ("opencl-cpu-float32",),
 }
-"""Tests, by a part of their ids, and words of which one is in the name of the test or of its variant."""
+"""Tests with the optimiser: a part of their ids, and words of which the name of the test or variant has one."""
 
 HASTY = {
     "backends/conformance/test_cases.py": ("opencl",),
@@ -27,7 +27,7 @@ HASTY = {
     "backends/opencl/test_transient.py": ("gpu", "periodic", "fixed"),
     "backends/opencl/test_sleep.py": ("hole-filler-zero-flux", "hole-filler-periodic"),
 }
-"""Of these the ones that are built in haste all the same: of tests at several boundaries the first one is not."""
+"""Exceptions that are built without the optimiser; of tests with several boundaries the first is optimised."""
 
 
 def in_haste(test: str) -> bool:

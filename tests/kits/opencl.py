@@ -1,4 +1,4 @@
-"""The OpenCL backend for tests of its own; modules that import this are skipped where there is no device."""
+"""The OpenCL backend for its own tests; modules that import this are skipped if there is no device."""
 
 import pytest
 

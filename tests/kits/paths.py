@@ -1,4 +1,4 @@
-"""Where the tests find files of the project, and recordings that lie beside it."""
+"""Paths of the project's files, and of recordings outside the project."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Emulated devices on a pseudo-terminal in a thread, and scenes and packets for them."""
+"""Devices emulated in a thread on a pseudo-terminal, with scenes and packets for them."""
 
 import json
 import threading

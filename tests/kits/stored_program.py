@@ -1,4 +1,4 @@
-"""Programs on an engine of one worker: planes drawn for them, answers compared, a program of every kind of step."""
+"""Programs on an engine with one worker: random planes, comparison of results, a program with every kind of step."""
 
 from typing import Any
 

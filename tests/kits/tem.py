@@ -1,4 +1,4 @@
-"""Short ways to parse a .tem file and to look at what is said about it."""
+"""Short functions that parse a .tem file and return its diagnostics."""
 
 from cnnsim.formats.candy.content import TemFile
 from cnnsim.formats.candy.parse import parse_tem

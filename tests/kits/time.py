@@ -1,4 +1,4 @@
-"""What the tests of running times share: transients computed finely, and times that are guaranteed."""
+"""Functions for tests of running times: random planes, guaranteed times, and final outputs."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ def guaranteed(name: str, shape: tuple[int, int], **more: Any) -> float:
 
 
 def pictures(name: str, shape: tuple[int, int]) -> list[dict[str, Any]]:
-    """Planes of random pictures as the template wants them, a sparse and a dense one."""
+    """Planes of a sparse and a dense random picture for a template."""
     rng = np.random.default_rng([*name.encode(), *shape])
     entry, tasks = library.load(name), []
     for share in (0.3, 0.6):

@@ -1,4 +1,4 @@
-"""What the binary templates have to answer, said without a network.
+"""Expected outputs of the binary templates, from their definitions, without a network.
 
 The rules of windows and the answers to whole pictures come from each template's task, so that a wrong number in a
 template file cannot hide.

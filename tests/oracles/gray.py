@@ -1,4 +1,4 @@
-"""What the gray-scale templates have to answer: filters, thresholds, linear systems and matrix exponentials."""
+"""Expected outputs of the gray-scale templates: filters, thresholds, linear systems and matrix exponentials."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def clip(x: Plane) -> Plane:
 
 
 def weighted_sum(picture: Plane, weights: Matrix, outside: float | None) -> Plane:
-    """Every cell's weighted neighbourhood, the top row of the weights on the north; None repeats the border cells."""
+    """The weighted sum of every cell's neighbourhood; the top row of the weights is north. None: zero-flux boundary."""
     how = {"mode": "nearest"} if outside is None else {"mode": "constant", "cval": outside}
     return np.asarray(ndimage.correlate(picture, weights, **how), dtype=np.float64)
 

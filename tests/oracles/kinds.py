@@ -1,4 +1,4 @@
-"""What templates beyond the linear kind have to answer, said without a network: ranks, differences, rules, floods."""
+"""Expected outputs of the non-linear templates, without a network: ranks, differences, rules, floods."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def rings(case: Case) -> Plane:
 
 
 def arrival(walls: Picture, start: Picture, steps: int) -> Picture:
-    """Cells that lie at most so many king's moves from the start, walls in the way."""
+    """Cells at most a number of king's moves from the start, around the walls."""
     distance = np.full(walls.shape, -1)
     queue: deque[tuple[int, int]] = deque()
     for i, j in np.argwhere(start & ~walls):

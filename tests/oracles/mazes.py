@@ -1,4 +1,4 @@
-"""What the maze programs have to answer: queues and plain loops."""
+"""Expected outputs of the maze programs, by queues and plain loops."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Binary pictures of the oracles, and what a worked example gives."""
+"""Binary pictures of the oracles, and the planes of a worked example."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SQUARE: Picture = np.ones((3, 3), dtype=bool)
 
 @dataclass(frozen=True)
 class Case:
-    """What a worked example gives: the input, the initial state, the mask and the bias map."""
+    """The planes of a worked example: the input, the initial state, the mask and the bias map."""
 
     u: Plane | None = None
     x0: Plane | None = None
@@ -32,7 +32,7 @@ class Case:
 
     @property
     def start(self) -> Plane:
-        """The initial state; the input stands in where the template starts from its own input."""
+        """The initial state, or the input if the template starts from its input."""
         chosen = self.x0 if self.x0 is not None else self.u
         assert chosen is not None
         return chosen

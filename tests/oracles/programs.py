@@ -19,7 +19,7 @@ from tests.oracles.pictures import CROSS, SQUARE, Picture, Plane
 Answer = dict[str, Any]
 
 SKELETONS = {"skeleton": SQUARE, "skeleton-4-connected": CROSS, "thinning": SQUARE}
-"""Programs that thin, and the neighbourhood in which a skeleton hangs together."""
+"""Thinning programs, and the neighbourhood in which their skeletons are connected."""
 
 
 def count(picture: Picture, neighbours: Picture = SQUARE) -> int:

@@ -1,4 +1,4 @@
-"""What programs that keep planes have to answer: frames of a sequence in, the outputs of each run out."""
+"""Expected outputs of programs that keep planes: for the frames of a sequence, the outputs of each run."""
 
 from __future__ import annotations
 

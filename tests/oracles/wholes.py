@@ -125,7 +125,7 @@ def framed_areas(picture: Picture) -> Picture:
 
 
 def horizontal_runs(picture: Picture) -> Picture:
-    """Cells with a black neighbour in their row; a white gap of a single cell is a tie and not allowed."""
+    """Black cells with a black neighbour in their row; a white gap of one cell is a tie, which is refused."""
     v = Window.of(picture)
     assert not (~v.c & v.w & v.e).any()
     return v.c & (v.w | v.e)
@@ -137,6 +137,6 @@ def _free(case: Case) -> Picture:
 
 
 def flood(case: Case) -> Picture:
-    """Black spreads over all free cells that it can reach, also diagonally; masked cells keep their colour."""
+    """Black spreads over all free cells that are 8-connected to it; masked cells keep their colour."""
     start = black(case.start)
     return start | reconstruct(start, start | _free(case))

@@ -1,1 +1,1 @@
-"""Independent answers of elasticity: half-space, layer, bump, and what is located from strains."""
+"""Independent answers of elasticity: half-space, layer, bump, and loads located from strains."""

@@ -7,7 +7,7 @@ def exact_inverse(shear: Any, normal: Any, digits: int = 60) -> tuple[float, flo
     """Return rho / z, and F over 4 pi E z^2 / 3, of signals |(u_xz, u_yz)| and u_zz of a load that presses.
 
     By eq. (1) a / |b| = 3 r / |r^2 - 2| with r = rho / z: quadratic in r, solved in many digits on the side
-    that u_zz tells; then the load from the length of the signals, which vanishes nowhere.
+    given by u_zz; then the load from the length of the signals, which vanishes nowhere.
     """
     import mpmath  # only here: an oracle that not all tests need
 

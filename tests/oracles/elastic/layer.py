@@ -1,4 +1,4 @@
-"""A bonded layer under a periodic traction, wave by wave, and under point loads: what its table is held against."""
+"""A bonded layer under a periodic traction, wave by wave, and under point loads: the reference for its table."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,7 @@ def layer_load(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: 
 
 
 def periodic_field(traction: ArrayLike, pitch: float, depth: float, thickness: float, medium: Medium) -> Floats:
-    """Strain or stress under a traction map (rows, cols, 3) [Pa] that repeats itself without end, at its own points.
+    """Strain or stress under a periodic traction map (rows, cols, 3) [Pa], at the points of the map.
 
     Raises:
         InputError: as ``transfer``, or a map of another shape.

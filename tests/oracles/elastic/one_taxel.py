@@ -1,4 +1,4 @@
-"""The inverse of one strain taxel by root finding on eq. (1): nothing of the closed forms is used."""
+"""The inverse of one strain taxel by root finding on eq. (1), without the closed forms."""
 
 import math
 

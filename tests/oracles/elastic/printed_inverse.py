@@ -1,4 +1,4 @@
-"""The inverse of a strain taxel as the paper prints it, term by term: what the stable form is compared with."""
+"""The inverse of a strain taxel as the paper prints it, term by term: the reference for the stable form."""
 
 from typing import Any
 

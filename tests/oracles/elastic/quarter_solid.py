@@ -1,4 +1,4 @@
-"""A quarter of the bump as a solid, which the body of revolution is held against: the half section, turned."""
+"""A quarter of the bump as a solid, the rotated half section: the reference for the body of revolution."""
 
 import itertools
 
