@@ -1,14 +1,12 @@
 """Known loads of a calibration from a CSV table with their times, and the mean readings under each."""
 
-import csv
-from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from cnnsim.support.limits import reason
 from tactile.calibration.from_weights import KnownLoads
+from tactile.core.label_lines import read_lines
 
 GRAVITY = 9.80665e-3
 """[N] weight of a gram: standard gravity."""
@@ -27,12 +25,8 @@ def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
     Raises:
         InputError: no such file, an unknown or missing column, a cell that is no number, times that do not grow.
     """
-    try:
-        lines = StringIO(path.read_text(encoding="utf-8-sig"))
-        table = csv.DictReader(line for line in lines if not line.startswith("#"))
-        names, rows = [name.strip() for name in table.fieldnames or ()], list(table)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as a table of weights: {reason(error)}") from error
+    rows, fields = read_lines(path, "weights")
+    names = [name.strip() for name in fields]
     known = {*TIMES, *FORCES, *PLACE, "grams"}
     if not {*TIMES} <= {*names} or not {*names} <= known or ("grams" in names) == ("f_n" in names):
         raise InputError(
@@ -41,7 +35,10 @@ def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
         )
     if not rows or (("x_mm" in names) != ("y_mm" in names)):
         raise InputError(f"{path}: {len(rows)} loads, {'one' if rows else 'no'} of x_mm and y_mm; some loads wanted")
-    columns = {name: np.array([_number(row, name, n, path) for n, row in enumerate(rows, 2)]) for name in names}
+    columns = {
+        name: np.array([_number(row[field], f"{path}: line {n}: {name}") for n, row in enumerate(rows, 2)])
+        for name, field in zip(names, fields, strict=True)
+    }
     zero = np.zeros(len(rows))
     pressing = columns["f_n"] if "f_n" in columns else columns["grams"] * GRAVITY
     forces = np.stack([columns.get("q_n", zero), columns.get("r_n", zero), pressing], axis=-1)
@@ -55,14 +52,13 @@ def read_weights(path: Path) -> tuple[Floats, KnownLoads]:
     return times, KnownLoads(forces, places)
 
 
-def _number(row: dict[str, str], name: str, line: int, path: Path) -> float:
-    cell = next((value for key, value in row.items() if key.strip() == name), None)
+def _number(cell: str | None, where: str) -> float:
     try:
         value = float(cell or "")
-    except (TypeError, ValueError):
+    except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise InputError(f"{path}: line {line}: {name} {cell!r}, a number wanted")
+        raise InputError(f"{where} {cell!r}, a number wanted")
     return value
 
 

@@ -1,4 +1,4 @@
-"""Reader of label files: CSV tables of known events of recordings."""
+"""Reader of CSV tables by people: labels of recordings, weights of calibrations."""
 
 import csv
 from collections.abc import Sequence
@@ -9,14 +9,15 @@ from cnnsim.support import InputError
 from cnnsim.support.limits import reason
 
 
-def read_lines(path: Path) -> tuple[list[dict[str, str]], Sequence[str]]:
-    """Return the rows of a label file by column, and the names of its columns.
+def read_lines(path: Path, content: str = "labels") -> tuple[list[dict[str, str]], Sequence[str]]:
+    """Return the rows of a table by column, without lines that start with #, and the names of its columns.
 
     Raises:
         InputError: a missing file, or one that is not a text table.
     """
     try:
-        reader = csv.DictReader(StringIO(path.read_text(encoding="utf-8-sig")))
+        lines = StringIO(path.read_text(encoding="utf-8-sig"))
+        reader = csv.DictReader(line for line in lines if not line.startswith("#"))
         return list(reader), reader.fieldnames or ()
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as a table of labels: {reason(error)}") from error
+        raise InputError(f"{path}: cannot be read as a table of {content}: {reason(error)}") from error

@@ -30,16 +30,6 @@ def test_equation_18_with_samples_at_the_extrema(per_depth: int, beta: float) ->
     assert abs(got / beta - 1) < 1e-12
 
 
-def test_ratio_of_the_extrema_is_the_papers_constant() -> None:
-    strain = scan(np.array([0.0, 0.5, -0.5]))
-    ratio = abs(strain[0, 2] / strain[1, 0])
-    assert abs(ratio / (25 * np.sqrt(5) / 24) - 1) < 1e-12
-    assert ratio == pytest.approx(2.3292, abs=5e-5)
-    fine = scan(np.linspace(-3, 3, 60_001))  # and they are the extrema
-    assert np.abs(fine[:, 0]).max() <= abs(strain[1, 0]) * (1 + 1e-15)
-    assert np.abs(fine[:, 2]).max() <= abs(strain[0, 2]) * (1 + 1e-15)
-
-
 @pytest.mark.parametrize("spacing", [0.05, 0.1, 0.2])
 def test_equation_18_with_samples_next_to_the_extrema(spacing: float) -> None:
     for shift in np.linspace(0, 1, 11):
