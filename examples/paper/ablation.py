@@ -5,35 +5,23 @@
 underestimated beta_ns. All sensors here have equal gains: beta_ns = 1 is true.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from examples.paper.claims import study
 from examples.paper.drawing import figure, plot_map, save
 from examples.paper.needle import FORCE, NEAR
 from examples.paper.skins import SKINS, Skin, Trial, on_the_bench
 
-HEADINGS = "skin", "beta_ns", "speed", "thicker", "error", "mended", "needed", "bend", "force", "brings back"
+FORMATS = {
+    "beta": "{:.3f}", "speed": "{:.3f} mm/s", "thicker": "{:.3f} x", "error": "{:.1f} um", "mended": "{:.1f} um",
+    "needed": "{:.2f} x", "bend": "{:.2f}", "force": "{:.2f}",
+}  # fmt: skip
+"""Columns of the table: see `Trial`; ``thicker``: true over located speed; ``force``: located over true."""
 
 
-@dataclass(frozen=True)
-class Line:
-    """One line of the table: lengths in um, speed in mm/s, ``force`` located over true; see `Trial`."""
-
-    skin: str
-    beta: float
-    speed: float
-    thicker: float
-    error: float
-    mended: float
-    needed: float
-    bend: float
-    force: float
-    brings_back: tuple[str, ...]
-
-
-def line(skin: Skin, trial: Trial) -> Line:
-    """Return the results of a trial, and the paper's findings that it reproduces."""
+def line(skin: Skin, trial: Trial) -> dict[str, Any]:
+    """Return the results of a trial by `FORMATS`, and the paper's findings that it reproduces."""
     error, mended = (located.error(trial.made) * 1e6 for located in (trial.located, trial.mended))
     force = float(trial.located.force[trial.made.within(NEAR)].mean() / FORCE)
     found = {
@@ -42,17 +30,17 @@ def line(skin: Skin, trial: Trial) -> Line:
         "bent": trial.needed > 1.05 and trial.bend > 1,
         "3-5 um": 3 <= mended <= 5,
     }
-    return Line(
-        skin.name, trial.beta, trial.speed * 1e3, 0.5e-3 / trial.speed, error, mended, trial.needed, trial.bend, force,
-        tuple(name for name, so in found.items() if so),
-    )  # fmt: skip
+    return {
+        "skin": skin.name, "beta": trial.beta, "speed": trial.speed * 1e3, "thicker": 0.5e-3 / trial.speed,
+        "error": error, "mended": mended, "needed": trial.needed, "bend": trial.bend, "force": force,
+        "brings_back": [name for name, is_found in found.items() if is_found],
+    }  # fmt: skip
 
 
-def cells(each: Line) -> list[str]:
+def cells(each: dict[str, Any]) -> list[str]:
     """Return the row of the table."""
-    numbers = f"{each.beta:.3f}", f"{each.speed:.3f} mm/s", f"{each.thicker:.3f} x", f"{each.error:.1f} um"
-    more = f"{each.mended:.1f} um", f"{each.needed:.2f} x", f"{each.bend:.2f}", f"{each.force:.2f}"
-    return [each.skin, *numbers, *more, ", ".join(each.brings_back)]
+    numbers = (form.format(each[name]) for name, form in FORMATS.items())
+    return [each["skin"], *numbers, ", ".join(each["brings_back"])]
 
 
 def draw(trials: list[tuple[Skin, Trial]], path: Path) -> None:
@@ -71,7 +59,7 @@ def main() -> None:
     """Try all skins."""
     trials = [(skin, on_the_bench(skin)) for skin in SKINS]
     lines = [line(skin, trial) for skin, trial in trials]
-    folder = study(__doc__.splitlines()[0], lines, map(cells, lines), HEADINGS)
+    folder = study(__doc__.splitlines()[0], lines, map(cells, lines), ("skin", *FORMATS, "brings back"))
     if folder is not None:
         draw(trials, folder / "ablation.png")
 

@@ -119,7 +119,7 @@ def main() -> None:
     studies = [calibrated(skin) for skin in SKINS]
     gains = [gain for one in studies for gain in one]
     headings = ("skin", *(f"{step} [um | um | 1]" for step in STEPS))
-    folder = study(__doc__.splitlines()[0], gains, map(cells, studies), headings)
+    folder = study(__doc__.splitlines()[0], [vars(gain) for gain in gains], map(cells, studies), headings)
     if folder is not None:
         draw(gains, folder / "calibration_gains.png")
 

@@ -56,14 +56,16 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     return given
 
 
-def study(what: str | None, rows: list[Any], cells: Iterable[list[str]], headings: Iterable[str]) -> Path | None:
+def study(
+    what: str | None, rows: list[dict[str, Any]], cells: Iterable[list[str]], headings: Iterable[str]
+) -> Path | None:
     """Print the rows of a study, as JSON or as a table of ``cells``; return the folder for its figure, or None."""
     from rich import box  # only for people
     from rich.table import Table  # the same
 
     given = arguments(argparse.ArgumentParser(description=what))
     if given.json:
-        print_json([vars(row) for row in rows])
+        print_json(rows)
     else:
         shown = Table(box=box.SIMPLE_HEAD)
         for heading in headings:

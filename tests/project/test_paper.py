@@ -141,7 +141,7 @@ def test_the_table_contains_all_fields(capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_findings_reproduced_by_each_error() -> None:
-    found = {skin.name: set(ablation.line(skin, on_the_bench(skin)).brings_back) for skin in SKINS}
+    found = {skin.name: set(ablation.line(skin, on_the_bench(skin))["brings_back"]) for skin in SKINS}
     for name in (
         "ideal", "needle vibration", "surface waviness", "poisson ratio", "motor noise", "read noise", "all noise",
     ):  # fmt: skip

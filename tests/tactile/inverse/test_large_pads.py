@@ -34,7 +34,7 @@ def every(load: Load) -> list[Load]:
 @pytest.mark.parametrize("stress", [False, True])
 @pytest.mark.parametrize(("count", "apart"), [(3, 8.0), (7, 4.0), (16, 4.0)])
 def test_many_loads_are_located(count: int, apart: float, stress: bool) -> None:
-    random, off, sure, right = np.random.default_rng(count), 0, 0, 0
+    random, wrong, covered, right = np.random.default_rng(count), 0, 0, 0
     for _ in range(4):
         loads = scattered(count, apart, random)
         answers = every(found(array(SIDE, SIDE), noisy(loads, 0.005, random, stress), stress))
@@ -43,11 +43,11 @@ def test_many_loads_are_located(count: int, apart: float, stress: bool) -> None:
             near = min(answers, key=lambda one: float(np.hypot(one.x - x, one.y - y)))
             error = np.hypot(near.x - x, near.y - y)
             right += error < 0.1 * DEPTH and abs(near.F - f) < 0.05
-            off += bool(error > 0.5 * DEPTH and near.validity in (Validity.INSIDE, Validity.OUTSIDE))
-            sure += error < 4 * np.hypot(near.sigma[0], near.sigma[1])
+            wrong += bool(error > 0.5 * DEPTH and near.validity in (Validity.INSIDE, Validity.OUTSIDE))
+            covered += error < 4 * np.hypot(near.sigma[0], near.sigma[1])
     assert right >= 0.96 * 4 * count
-    assert not off  # wrong ones are not INSIDE
-    assert sure >= 0.9 * 4 * count
+    assert not wrong  # wrong ones are not INSIDE
+    assert covered >= 0.9 * 4 * count
 
 
 def test_a_patch_and_a_point_are_distinguished() -> None:

@@ -142,7 +142,7 @@ def test_slopes_are_those_of_the_signals(body: str, several: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("load", "gone"),
+    ("load", "unread"),
     [
         ((0.53563444, 0.22912112, 0.12779368, -0.02165908, 0.65726242), (0, 1)),  # a local minimum far away
         ((-0.67812402, 0.67157131, 0.16436352, 0.05940185, 0.53632986), (1, 1)),
@@ -150,12 +150,12 @@ def test_slopes_are_those_of_the_signals(body: str, several: bool) -> None:
     ],
 )
 def test_three_taxels_on_the_bottom_locate_the_load_or_are_ambiguous(
-    load: tuple[float, ...], gone: tuple[int, int]
+    load: tuple[float, ...], unread: tuple[int, int]
 ) -> None:
     cover = Cover((2, 2), "strain", 1.5, 1.0)
     wanted = np.array(load) * [DEPTH, DEPTH, 1, 1, 1]
     values, valid = cover.felt(wanted[None]).reshape(2, 2, 3).copy(), np.ones((2, 2), bool)
-    values[gone], valid[gone] = np.nan, False
+    values[unread], valid[unread] = np.nan, False
     found = cover.found(values, valid)
     off = float(np.hypot(found.x - wanted[0], found.y - wanted[1])) / DEPTH
     assert off < 0.01 or found.validity is Validity.AMBIGUOUS

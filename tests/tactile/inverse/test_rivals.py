@@ -44,8 +44,8 @@ def test_a_zero_reading_is_named_even_within_the_noise_of_the_fit(side: int, pit
 @pytest.mark.parametrize("stress", [False, True])
 def test_a_zero_of_the_field_and_coarse_steps_are_not_false_readings(stress: bool) -> None:
     line = TaxelArray("line", 1, 6, DEPTH, DEPTH).positions()
-    beside = np.array([line[0, 4, 0], 0.4 * DEPTH, 0.03, 0.0, 0.4])
-    read = felt(line, [beside], stress)
+    load_aside = np.array([line[0, 4, 0], 0.4 * DEPTH, 0.03, 0.0, 0.4])
+    read = felt(line, [load_aside], stress)
     assert np.count_nonzero(np.abs(read) < 1e-12 * np.abs(read).max()) == 1
     assert found(line, read, stress).left_out == ()
     random = np.random.default_rng(8)

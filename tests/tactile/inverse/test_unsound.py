@@ -50,9 +50,9 @@ def test_deviations_cover_the_model_error(kind: str, most: float) -> None:
     trials = [
         trial(kind, np.random.default_rng((31, KINDS.index(kind), n))) for n in range(100 if kind == "layer" else 250)
     ]
-    sure = [one for one in trials if one.inside]
-    assert len(sure) >= 0.6 * len(trials)
-    assert np.mean([one.sigmas.max() > 5 for one in sure]) <= most
+    inside = [one for one in trials if one.inside]
+    assert len(inside) >= 0.6 * len(trials)
+    assert np.mean([one.sigmas.max() > 5 for one in inside]) <= most
 
 
 def test_sound_loads_reach_the_cramer_rao_bound_with_honest_deviations() -> None:
@@ -93,30 +93,31 @@ def test_one_false_reading_is_named_and_the_others_of_its_taxel_are_used(
 
 
 @pytest.mark.parametrize("stress", [False, True])
-def test_a_clipped_reading_on_a_coarse_pad_is_named(stress: bool) -> None:
-    at = pad(2, 1.8)
-    wanted = np.array([*at[1, 0] + (0.15 * DEPTH, 0.1 * DEPTH), 0.02, -0.03, 0.4])
+@pytest.mark.parametrize("known", [False, True])
+@pytest.mark.parametrize(
+    ("side", "pitch", "taxel", "place", "clipped", "level"),
+    [
+        (2, 1.8, (1, 0), (0.15, 0.1), ((1, 0),), 1e-5),
+        (4, 1.0, (1, 2), (0.5, 0.05), ((1, 2), (1, 3)), 0.02),  # noisy readings are equal only at the end of the range
+    ],
+)
+def test_clipped_readings_are_named(
+    side: int, pitch: float, taxel: tuple[int, int], place: tuple[float, float], clipped: tuple[tuple[int, int], ...],
+    level: float, known: bool, stress: bool,
+) -> None:  # fmt: skip
+    at = pad(side, pitch)
+    wanted = np.array([*at[taxel] + np.array(place) * DEPTH, 0.02, -0.03, 0.4])
     signals = felt(at, [wanted], stress)
-    end = 0.7 * float(np.abs(signals).max())
-    load = located(at, signals, 1e-5, stress, lambda read: np.clip(read, -end, end))
-    assert load.saturated == ((1, 0),)
-    assert load.left_out == ()
+    end = np.sort(np.abs(signals).ravel())[-len(clipped)] * 0.7
+    load = located(at, signals, level, stress, lambda read: np.clip(read, -end, end), known=known)
+    assert (set(load.saturated), load.left_out) == (set(clipped), ())
     assert beyond(load, wanted) < 5
 
 
 @pytest.mark.parametrize("stress", [False, True])
-@pytest.mark.parametrize("known", [False, True])
-def test_two_readings_at_one_end_are_named_within_the_noise(stress: bool, known: bool) -> None:
-    """Two noisy readings are equal only at the end of their range; without noise they may be equal."""
-    at = pad(4)
-    wanted = np.array([*at[1, 2] + (0.5 * DEPTH, 0.05 * DEPTH), 0.02, -0.03, 0.4])
-    signals = felt(at, [wanted], stress)
-    end = np.sort(np.abs(signals).ravel())[-2] * 0.7
-    load = located(at, signals, 0.02, stress, lambda read: np.clip(read, -end, end), known=known)
-    assert set(load.saturated) == {(1, 2), (1, 3)}
-    assert beyond(load, wanted) < 5
-    amid = found(at, felt(at, [(0.0, 0.0, 0.0, 0.0, 0.4)], stress), stress)
-    assert (amid.saturated, amid.taxels) == ((), 16)
+def test_equal_exact_readings_are_not_clipped(stress: bool) -> None:
+    load = found(pad(4), felt(pad(4), [(0.0, 0.0, 0.0, 0.0, 0.4)], stress), stress)
+    assert (load.saturated, load.taxels) == ((), 16)
 
 
 @pytest.mark.parametrize("pitch", [1.0, 1.5])
@@ -126,9 +127,9 @@ def test_a_ball_over_one_taxel_of_a_line_is_not_a_false_taxel(pitch: float) -> N
     for radius in (0.6, 0.75, 0.9):
         wanted = np.array([0.1 * DEPTH, 0.3 * DEPTH, 0.2, 0.0, 0.9])
         load = located(at, point_signals(at, ball(wanted, radius * DEPTH), False), 1e-3, False)
-        sure, told = load.validity is Validity.INSIDE, [0, 1, 2, 4]
-        assert not (sure and load.left_out)
-        assert not sure or (np.abs(np.array(as_row(load)) - wanted) / load.sigma)[told].max() < 5
+        inside, known_axes = load.validity is Validity.INSIDE, [0, 1, 2, 4]
+        assert not (inside and load.left_out)
+        assert not inside or (np.abs(np.array(as_row(load)) - wanted) / load.sigma)[known_axes].max() < 5
 
 
 @pytest.mark.parametrize("stress", [False, True])

@@ -50,10 +50,15 @@ class Trial:
         return self.load.validity is Validity.INSIDE
 
     @property
+    def nearest(self) -> Load:
+        """The located load nearest to the first one."""
+        x, y = self.loads[0, :2]
+        return min((self.load, *self.load.others), key=lambda one: float(np.hypot(one.x - x, one.y - y)))
+
+    @property
     def off(self) -> Floats:
-        """Errors (5,) of the answer nearest to the first load, 0 of a shear that a line does not measure."""
-        answers = np.array([as_row(one) for one in (self.load, *self.load.others)])
-        near = answers[np.hypot(*(answers[:, :2] - self.loads[0, :2]).T).argmin()]
+        """Errors (5,) of the nearest answer, 0 of a shear that a line does not measure."""
+        near = np.array(as_row(self.nearest))
         x, y, q, r, f = self.loads[0]
         if self.shape[0] == 1:  # F of the equivalent load without the shear across the line
             near[3], f, r = 0.0, f - r * y / DEPTH, 0.0
@@ -63,10 +68,8 @@ class Trial:
 
     @property
     def sigmas(self) -> Floats:
-        """Errors (5,) over their deviations, of the same answer."""
-        answers = (self.load, *self.load.others)
-        k = np.argmin([np.hypot(one.x - self.loads[0, 0], one.y - self.loads[0, 1]) for one in answers])
-        return np.abs(self.off) / np.array(answers[k].sigma)
+        """Errors (5,) of the nearest answer over its deviations."""
+        return np.abs(self.off) / np.array(self.nearest.sigma)
 
     @property
     def beyond(self) -> bool:
@@ -77,8 +80,8 @@ class Trial:
     def over_bound(self) -> Floats:
         """Errors (2,) of the place over the Cramer-Rao bound of all signals."""
         noise = self.level * float(np.abs(self.forward(self.loads)).max())
-        told = (0, 1, *((2,) if self.shape[0] == 1 else (3,) if self.shape[1] == 1 else (2, 3)), 4)
-        return self.off[:2] / bound(self.forward, self.loads[0], noise, SCALE, told)[:2]
+        free = (0, 1, *((2,) if self.shape[0] == 1 else (3,) if self.shape[1] == 1 else (2, 3)), 4)
+        return self.off[:2] / bound(self.forward, self.loads[0], noise, SCALE, free)[:2]
 
     def forward(self, loads: Floats) -> Floats:
         """Return the signals of loads on this pad."""
@@ -161,24 +164,24 @@ def trial(kind: str, random: np.random.Generator, shapes: tuple[tuple[int, int],
         bad[:] = (np.abs(read) > end).any(axis=-1)
         read = np.clip(read, -end, end)
     load = found(at, read, stress, level * peak if known else None)
-    blamed = {*load.saturated} if kind == "clipped" else {*load.left_out, *load.saturated}
-    named = bool(bad.any()) and set(map(tuple, np.argwhere(bad).tolist())) <= blamed
+    named_taxels = {*load.saturated} if kind == "clipped" else {*load.left_out, *load.saturated}
+    named = bool(bad.any()) and set(map(tuple, np.argwhere(bad).tolist())) <= named_taxels
     return Trial(kind, shape, stress, pitch, level, known, loads, load, more, named)
 
 
 def line(name: str, trials: list[Trial]) -> str:
     """Return the statistics of these trials."""
-    sure = [one for one in trials if one.inside]
-    if not sure:
+    kept = [one for one in trials if one.inside]
+    if not kept:
         return f"{name:24} {len(trials):5}  none inside"
-    own = np.array([one.sigmas[:2] for one in sure])
+    own = np.array([one.sigmas[:2] for one in kept])
     ratio = ""
-    if sure[0].kind == "sound":
-        ratio = f" error/bound {np.median(np.abs([one.over_bound for one in sure])) / 0.6745:.3f}"
+    if kept[0].kind == "sound":
+        ratio = f" error/bound {np.median(np.abs([one.over_bound for one in kept])) / 0.6745:.3f}"
     return (
-        f"{name:24} {len(trials):5} inside {len(sure) / len(trials):6.1%} beyond 5 sigma "
-        f"{np.mean([one.beyond for one in sure]):5.1%} within 1 {np.mean(own < 1):.3f} within 2 {np.mean(own < 2):.3f}"
-        f"{ratio} right number {np.mean([1 + len(one.load.others) == len(one.loads) for one in sure]):.0%} named "
+        f"{name:24} {len(trials):5} inside {len(kept) / len(trials):6.1%} beyond 5 sigma "
+        f"{np.mean([one.beyond for one in kept]):5.1%} within 1 {np.mean(own < 1):.3f} within 2 {np.mean(own < 2):.3f}"
+        f"{ratio} right number {np.mean([1 + len(one.load.others) == len(one.loads) for one in kept]):.0%} named "
         f"{np.mean([one.named for one in trials]):.0%}"
     )
 
