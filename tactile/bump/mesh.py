@@ -16,7 +16,7 @@ def half_section(shape: Shape, fineness: float = 1.0, touching: bool = False, se
 
 
 def plane_mesh(shape: Shape, fineness: float = 1.0, touching: bool = False, sensor: float | None = None) -> MeshTri:
-    """Return the same with straight sides."""
+    """Return the triangles of `half_section` with straight sides."""
     size = partial(shape.size, fineness=fineness, touching=touching, sensor=sensor)
     points, triangles = triangulate(shape.outline(), shape.inside, size)
     return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T))

@@ -52,8 +52,8 @@ def calibrate(
     From SCAN, or the gains of every taxel from known weights.
 
     SCAN is a recording or a scene of one array. With --speed-mm-s and --load-n a needle is drawn straight over one
-    taxel of strain; the taxel that presses most is taken. With --weights known loads lie on it one after the other:
-    anywhere on a pad that measures force, at known places on one of strain or stress.
+    taxel of strain; the taxel with the largest normal reading is used. With --weights known loads lie on it one after
+    the other: anywhere on a pad that measures force, at known places on one of strain or stress.
     """
     if weights is not None:
         if speed_mm_s is not None or load_n is not None or toward is not None:

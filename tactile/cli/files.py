@@ -26,7 +26,7 @@ from tactile.cli.options import FILE
 def new(kind: str, name: str, output: Path, replace: bool) -> None:
     """Write a commented file NAME.toml, which runs as it is.
 
-    A scene is what touches simulated fingers; an array says what is on the other end of a cable; a
+    A scene is what touches simulated fingers; an array describes a device on a port; a
     detector is a program whose planes mean events.
     """
     path = output / f"{check_name(name, kind)}.toml"

@@ -78,7 +78,7 @@ quantity = "strain"         # strain, stress or force: what the readings are aft
 #                           # (where they are unknown: quantity = "force" and depth_mm = 0.0, for tactile score)
 # cells = [[0, 1], [2, 3]]  # the device's number of the chip in each cell, -1 where none is
 
-# [thresholds]              # of events, where the command line says nothing; without them the noise decides
+# [thresholds]              # of events, unless the command line sets them; without them the noise decides
 # dead_band     = 1e-3      # least shear that is a direction [unit of the quantity], as --dead-band
 # hysteresis    = 5e-4      # a direction starts only this much above it, as --hysteresis
 # contact_level = 1e-3      # least pressing at which a taxel stays in contact, as --contact-level

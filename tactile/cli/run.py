@@ -53,7 +53,7 @@ def run(
     """Run the pipeline on a scene, a recording or a folder.
 
     SOURCE is a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag (.bag, .db3 or a folder); or
-    a folder of them, whose events make one table, events.csv: a recording that is broken is a row with its error.
+    a folder of them, whose events make one table, events.csv: an unreadable recording is a row with its error.
     """
     from tactile import pipeline  # imported when used
     from tactile.output.collected import Collected  # the same
@@ -128,7 +128,7 @@ def run(
 
 
 def _left_on_the_wire(source: Source) -> list[str]:
-    """Say of a recording's bytes what made no frames, where that is all of them or they fit the description badly."""
+    """Report bytes of a recording that made no frames, if there are no frames or the description fits badly."""
     counts: Counts | None = getattr(source, "counts", None)
     if counts is None or not (counts.unfit or not counts.good):
         return []

@@ -148,5 +148,5 @@ class Frame:
             raise InputError(f"frame {self.sequence}: values of shape {self.values.shape}, (rows, cols, 3) wanted")
         if self.valid.shape != self.values.shape[:2]:
             raise InputError(
-                f"frame {self.sequence}: validity of shape {self.valid.shape} for values of {self.values.shape}"
+                f"frame {self.sequence}: validity of shape {self.valid.shape}, {self.values.shape[:2]} wanted"
             )

@@ -142,7 +142,7 @@ class _Functions:
     fall: float
 
     def weighted(self, across: Floats, along: Floats) -> Floats:
-        """Return them (radii, distances, 6), made even in both and multiplied by 1 + (a / z)^2."""
+        """Return the functions (radii, distances, 6), even in both arguments and multiplied by 1 + (a / z)^2."""
         rho, radius = np.sinh(across), _radius(along, self.unit * self.profile.limit)
         return self._even(rho, radius) * (1 + radius**2)[:, None, None]
 

@@ -25,7 +25,7 @@ def disc_load(
     medium: Medium,
     lam: ArrayLike = 0.0,
 ) -> Floats:
-    """Return the strain or stress, as the medium says, under loads spread over circles.
+    """Return the strain or stress (the quantity of the medium) under loads spread over circles.
 
     With V the potential of the profile's unit density, P = (Q, R, F) and (c, n) the medium's reading, a load adds
 

@@ -48,7 +48,7 @@ def point_load_stress(positions: ArrayLike, depth: float, loads: ArrayLike) -> F
 
 
 def point_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
-    """Return strain or stress, as the medium says, under point loads: the reference for faster methods.
+    """Return the strain or stress (the quantity of the medium) under point loads: reference for faster methods.
 
     Arguments, shapes and errors: as ``point_load_strain``.
     """

@@ -72,7 +72,7 @@ class LayerContact:
         return force, depth, (found * a / force) / (plain / inside)
 
     def weights(self, a: float) -> tuple[Floats, Floats, Floats, float]:
-        """Return places t of 0 .. a, quadrature weights, W there for a contact of radius a, and the indentation."""
+        """Return places t in 0 .. a, quadrature weights, W at t for a contact of radius a, and the indentation."""
         nodes, weights = gauss(16 + int(4 * a))
         t, step, rim = a * (nodes + 1) / 2, a * weights / 2, np.array([a])
         sides = np.stack([np.ones_like(t), self.abel(t)], axis=-1)

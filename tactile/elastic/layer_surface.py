@@ -23,7 +23,7 @@ def excess(turn: Floats, nu: float) -> Floats:
 
 
 def along_excess(turn: Floats, nu: float) -> Floats:
-    """Return the same under a tangential wave along its wave vector."""
+    """Return the relative reduction as in `excess`, under a tangential wave along its wave vector."""
     kappa = 3 - 4 * nu
     square, fall = 1 + kappa**2 + 4 * turn**2, np.exp(-2 * turn)
     # 1 - (2 kappa sinh 2k + 4 k) / (2 kappa cosh 2k + 4 k^2 + 1 + kappa^2)
@@ -32,7 +32,7 @@ def along_excess(turn: Floats, nu: float) -> Floats:
 
 
 def across_excess(turn: Floats, nu: float = 0.5) -> Floats:
-    """Return the same under a tangential wave across its wave vector: 1 - tanh(k h) at any Poisson's ratio."""
+    """Return the reduction under a tangential wave across its wave vector: 1 - tanh(k h) at any Poisson's ratio."""
     fall = np.exp(-2 * turn)
     out: Floats = 2 * fall / (1 + fall)
     return out

@@ -37,7 +37,7 @@ class StripContact:
 
     @cached_property
     def _solved(self) -> tuple[Floats, Floats, Floats]:
-        """Half widths, and at them the force per length over the half-space's, and the pressure over an ellipse."""
+        """Half widths, their force per length over that on the half-space, and their pressure over an ellipse."""
         k, weights = panels(24.0, 121)  # exp(-48) is left out; 16 nodes for 8 turns of the fastest wave
         step = excess(k, self.nu) * weights
         x = np.concatenate([np.linspace(0, 8, 401), np.linspace(8, 2 * WIDEST, 401)[1:]])

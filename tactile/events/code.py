@@ -28,7 +28,7 @@ def encode(frame: Frame, quantity: Quantity, shear: Threshold, contact: Threshol
 
 
 def encode_values(values: Floats, quantity: Quantity, shear: Threshold, contact: Threshold) -> dict[str, Floats]:
-    """Return the same planes for finite values (rows, cols, 3)."""
+    """Return the planes of `encode` for finite values (rows, cols, 3)."""
     inward = 1.0 if quantity == "force" else -1.0
     scaled = np.empty((3, *values.shape[:2]))
     scaled[:NORMAL] = values[..., :NORMAL].transpose(2, 0, 1) / shear.full_scale

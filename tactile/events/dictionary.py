@@ -35,7 +35,7 @@ def finger_word(code: int) -> str:
 
 
 def word(code: int) -> str:
-    """Return the meaning of a code of 16 bits, first finger highest: of the hand where both fingers agree or oppose."""
+    """Return the meaning of a code of 16 bits, first finger highest; of the hand if both fingers agree or oppose."""
     first, second = finger_word(code >> 8), finger_word(code & 0xFF)
     if first == second:
         return "lift" if first == "pull +y" else f"both {first}"

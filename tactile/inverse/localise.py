@@ -93,7 +93,7 @@ def localise(
     families, shape = [pressing] if pulling is None else [pressing, pulling], positions.shape[:2]
     planes = np.array(families, dtype=np.float64)
     if planes.shape[2:] != shape:
-        raise InputError(f"planes of shape {planes.shape[2:]} for an array of {shape} taxels")
+        raise InputError(f"planes of shape {planes.shape[2:]} for an array of {shape} taxels; equal shapes wanted")
     weights = noise if isinstance(noise, Weights) else weigh(noise, shape)
     at, strain = np.ascontiguousarray(positions, np.float64), pulling is not None
     planes = planes.reshape(len(families), 4, -1)

@@ -85,7 +85,7 @@ def consensus(at, planes, signal, trust, order, depth):  # type: ignore[no-untyp
     """Return places (k, 3) as x, y and scatter: the means of the taxels' answers nearest to an answer of a seed.
 
     A candidate at t = rho^2 / z^2 weighs (signal / (1 + t))^2: the inverse variance of its place for equal noise.
-    Answers farther away than a depth are not averaged and scatter by one depth, so that one false taxel has no pull.
+    Answers farther away than a depth are not averaged and scatter by one depth: one false taxel cannot shift the mean.
     """
     families, taxels = signal.shape[0], order.size
     place, weight = _candidates(at, planes, order, depth), np.zeros((families, taxels))
@@ -118,7 +118,7 @@ def consensus(at, planes, signal, trust, order, depth):  # type: ignore[no-untyp
 
 @kept_helper(error_model="numpy")
 def two_best(places):  # type: ignore[no-untyped-def]
-    """Return which place (x, y, cost) costs least, and which of those apart from it; the same where there is none."""
+    """Return the numbers of the place (x, y, cost) of least cost and of the next one apart from it, else the same."""
     first = 0
     for k in range(1, len(places)):
         if places[k, 2] < places[first, 2]:

@@ -12,9 +12,9 @@ b = |u_zz| and m = 3 b + sqrt(9 b^2 + 8 a^2):
 Divisions and square roots take most of the time: with sqrt(t) = a n / d and p = a^2 n^2 + d^2 (t + 1 = p / d^2),
 q = a^2 n^2 + 4 d^2, the one reciprocal 1 / (d q) gives 1 / d and (t + 1)^(3/2) / (t + 4) = p^(3/2) / (d q).
 
-One strain taxel cannot tell the sign of s. For s > 0 it lies on the side that (u_xz, u_yz) points to, and
+One strain taxel cannot determine the sign of s. For s > 0 it lies on the side that (u_xz, u_yz) points to, and
 u_zz < 0 means inside; for s < 0 (a pull, or strong shear) azimuth and region swap. A stress taxel can: the
-sign of sigma_zz is that of -s, and there is a single candidate.
+sign of sigma_zz is the sign of -s, and there is a single candidate.
 """
 
 from importlib import import_module

@@ -12,8 +12,10 @@ from tactile.core.frame import TaxelArray
 
 
 class Weights(NamedTuple):
-    """``noise``: median standard deviation of the signals, None if unknown; ``scale`` (n, 3): that over the standard
-    deviation of each signal; ``trust`` (n,): the least of a taxel's three.
+    """Weights of the signals of n taxels by their noise.
+
+    ``noise``: median standard deviation of the signals, None if unknown; ``scale`` (n, 3): ``noise`` over the standard
+    deviation of each signal; ``trust`` (n,): the smallest of the three scales of a taxel.
     """
 
     noise: float | None

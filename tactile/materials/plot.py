@@ -36,7 +36,7 @@ def draw_figures(table: WindowTable, title: str, path: Path) -> None:
     for name, (colour, marker) in zip(names, _styles(len(names)), strict=True):
         mine = material == name
         axis.scatter(friction[mine], roughness[mine], 14, color=[colour], marker=marker, alpha=0.7, linewidths=0,
-                     label=name or "not said")  # fmt: skip
+                     label=name or "unknown")  # fmt: skip
     axis.set_xlabel("friction coefficient")
     axis.set_ylabel("roughness")
     axis.set_yscale("log")

@@ -209,12 +209,10 @@ def _checked(path: Path, made: dict[str, str], array: bytes) -> tuple[int, str]:
     """Return the start [ns] and the array description after checking their checksums."""
     told, written = made.get(schema.SUM), made.get("version")
     if told != schema.sum_of({name: value for name, value in made.items() if name != schema.SUM}):
-        raise InputError(
-            f"{path}: damaged, or of no version that is known: the record of how it was made is not in order"
-        )
+        raise InputError(f"{path}: damaged, or of an unknown version: the checksum of the settings is wrong")
     if written != schema.VERSION:
         raise InputError(f"{path}: a recording of version {written}; this program reads version {schema.VERSION}")
     if made.get("array_crc32") != f"{zlib.crc32(array):08x}":
-        raise InputError(f"{path}: damaged: the array description is not what was written")
+        raise InputError(f"{path}: damaged: the checksum of the array description is wrong")
     with readable(path):
         return int(made["start_ns"]), array.decode()

@@ -25,7 +25,7 @@ FRAME_NAME = "tactile/msg/Frame"
 FRAME = """\
 # One frame of one finger. values: shear_x, shear_y, normal of every taxel, row by row, before the tare, in the unit
 # of the finger's quantity. t [s] since the recording began, t_device [s], NaN where the device has no clock.
-# flags: bits of what the device says: 1 slip detection on, 2 reference loaded, 4 contact.
+# flags: status bits of the device: 1 slip detection on, 2 reference loaded, 4 contact.
 float64 t
 float64 t_device
 int64 sequence

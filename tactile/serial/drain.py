@@ -42,7 +42,7 @@ class Drain:
         self._events = select.poll()
 
     def run(self) -> None:
-        """Run until the reader asks for the end or is gone."""
+        """Run until the reader requests the end or has ended."""
         link, running = self._reader.fileno(), True
         while running:
             self._events.register(link, select.POLLIN | (select.POLLOUT if self._records else 0))

@@ -79,8 +79,8 @@ class Bumps:
     def over_flat(self, array: TaxelArray, quantity: str) -> float:
         """The force on the bump over a taxel, over the force that the inverse of the half-space gives.
 
-        The normal reading of the half-space right under 1 N, over that of the bump: the inverse is linear in it. At
-        finite strain the value of the table's middle force, as it hardly depends on the force.
+        The inverse is linear in the normal reading. The ratio is therefore the reading of the half-space right under
+        1 N over that of the bump. At finite strain it hardly depends on the force; the table's middle force is used.
 
         Raises:
             InputError: as ``response``.

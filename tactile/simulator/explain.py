@@ -28,7 +28,7 @@ WORDS = {
 class ScenePart:
     """One part of a scene.
 
-    ``size``: largest change of a reading, relative to the peak, when an effect alone is taken away or, where it is off,
+    ``size``: largest change of a reading, relative to the peak, when an effect alone is removed or, where it is off,
     added; ``at_most``: it is an upper bound: of random effects for all seeds but one in a million, of fixed ones before
     a converter for all positions of its steps. ``seconds``: measured time per frame, None for an effect that is off.
     """

@@ -162,7 +162,7 @@ def every_effect(scene: Scene) -> list[Named]:
 def sizes_in(scene: Scene, effects: Iterable[Named], sample: Sample | None = None) -> dict[str, Size]:
     """Return the size of effects in a scene: the largest change of a reading, relative to the peak of the ideal skin.
 
-    Of an effect of the scene: when it alone is taken away; of another: when it alone is added. A fixed effect is
+    For an effect of the scene: when it alone is removed; for another: when it alone is added. A fixed effect is
     measured, without a converter, whose step is added where it is not small: then the size is an upper bound. A random
     effect has its upper bound; without one it is measured with three seeds. Effects that cannot be computed in this
     scene, such as an adhesion that draws a needle in too deep, are left out.

@@ -65,7 +65,7 @@ def _read(path: Path, lines: list[str]) -> FrameStream:
         where = f"{path}, line {start + rows.line_num}"
         frame = _read_frame(row, arrays, fixed, where)
         if frames and frame.t < frames[-1].t:
-            raise InputError(f"{where}: t_s = {frame.t} after {frames[-1].t}, frames in the order of time wanted")
+            raise InputError(f"{where}: t_s = {frame.t} after {frames[-1].t}, increasing times wanted")
         frames.append(frame)
     if not frames:
         raise InputError(f"{path}: no frames after the column names, at least one wanted")

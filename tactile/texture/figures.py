@@ -67,7 +67,8 @@ class Texture:
             self._tails = np.zeros((self.window + 1, 2, *shape))
             self._grown = np.zeros((2, *shape))
         if shape != self._streak.shape:
-            raise InputError(f"texture frame of {shape} taxels after frames of {self._streak.shape}")
+            before = self._streak.shape
+            raise InputError(f"texture frame of {shape} taxels after frames of {before}; equal shapes wanted")
 
         figures = np.empty((2, *shape))
         self._step(

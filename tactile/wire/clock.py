@@ -43,7 +43,7 @@ class ClockLine:
 
     def __call__(self, t_device: float, arrival: float) -> float:
         """Return the host time of a frame [s], its arrival without a device clock. It never decreases."""
-        if t_device == t_device:  # a device without a clock says NaN
+        if t_device == t_device:  # NaN: a device without a clock
             step, waited = t_device - self._last_device, arrival - self._last_arrival
             if step < 0 or step - waited > ANEW:
                 self._start_anew()

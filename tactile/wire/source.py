@@ -14,7 +14,7 @@ from tactile.wire.rate import RateGaps
 
 PLUGGED, UNPLUGGED, DAMAGED = "plugged", "unplugged", "damaged"
 TARE, FORCED_TARE = "tare", "tare by force"
-"""What a chunk without bytes can say; damaged: of a recording, what came here is lost."""
+"""Notes of a chunk without bytes; damaged: bytes of a recording are lost at this point."""
 
 
 @dataclass(frozen=True)

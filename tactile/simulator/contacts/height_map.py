@@ -183,9 +183,9 @@ class HeightMap:
 
 
 def _levels(push: Floats, force: Floats) -> tuple[Integers, Floats]:
-    """Return the lower of the two levels around forces (frames,) [N], without the first, and both shares (frames, 2).
+    """Return the number of the lower of the two levels around forces (frames,) [N], and both weights (frames, 2).
 
-    Pressures are linear in the force between levels of forces (levels,), the first of them 0.
+    Pressures are linear in the force between levels. The first level has force 0 and is not numbered.
     """
     level = np.interp(push, force, np.arange(len(force)))
     low = np.clip(level.astype(np.int64), 0, len(force) - 2)

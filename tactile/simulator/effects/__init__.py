@@ -79,7 +79,7 @@ def effect_class(name: str) -> type[Effect]:
 
 
 def read_effect(name: str, table: Mapping[str, Any], where: str) -> Effect:
-    """The effect that a scene's table describes; what the table does not say is typical.
+    """The effect that a scene's table describes; missing keys have typical values.
 
     Raises:
         InputError: an unknown effect or key, a value of a wrong type or out of range.

@@ -97,7 +97,7 @@ def _spread(field: Field) -> Floats:
 
 
 def _strength(contact: Any, field: Field, hardest: float) -> Callable[[Floats], tuple[Floats, Floats]]:
-    """Place (n, 2) and approximate force (n,) [N] of a contact at times; those of a path without its contact law."""
+    """Function from times to place (n, 2) and force (n,) [N] of a contact; approximate for a path: no contact law."""
     path: Floats | None = getattr(contact, "path", None)
     if path is None:
 

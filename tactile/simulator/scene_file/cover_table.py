@@ -11,7 +11,7 @@ from tactile.simulator.bump_cover import Bumps
 
 
 def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) -> Bumps:
-    """Bumps over all taxels; what the table does not say is the paper's.
+    """Bumps over all taxels; missing keys have the values of the paper.
 
     Raises:
         InputError: a wrong type or value, a strain that is neither "small" nor "finite", taxels below the body.
@@ -20,10 +20,10 @@ def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) 
     if strain not in ("small", "finite"):
         raise InputError(f"{where}: strain = {strain!r}, 'small' or 'finite' wanted")
     if strain == "small" and "indentation_mm" in table:
-        raise InputError(f"{where}: an indentation_mm without strain = 'finite'")
+        raise InputError(f"{where}: an indentation_mm without strain = 'finite'; both wanted, or no indentation")
     if strain == "finite" and "contact_mm" in table:
         raise InputError(
-            f"{where}: a contact_mm with strain = 'finite', where the contact grows as the plate comes down"
+            f"{where}: a contact_mm with strain = 'finite'; none wanted, because the contact grows with the indentation"
         )
     diameter = take_positive(table, "diameter_mm", where, 0.4) * 1e-3
     radius = diameter / 2
@@ -45,9 +45,11 @@ def read_bumps(table: dict[str, Any], arrays: Iterable[TaxelArray], where: str) 
         raise error if str(error).startswith(where) else InputError(f"{where}: {error}") from error
     for array in arrays:
         if array.depth > thickness:
-            raise InputError(f"{where}: taxels {array.depth * 1e3:g} mm deep under bumps on {thickness * 1e3:g} mm")
+            said = f"{where}: taxels {array.depth * 1e3:g} mm deep under bumps on {thickness * 1e3:g} mm"
+            raise InputError(f"{said}; a depth up to that wanted")
         if min(array.rows, array.cols, 2) > 1 and array.pitch < 2 * bumps.shape.foot:
             raise InputError(
-                f"{where}: bumps {2e3 * bumps.shape.foot:.4g} mm wide at their foot, {array.pitch * 1e3:g} mm apart"
+                f"{where}: bumps {2e3 * bumps.shape.foot:.4g} mm wide at their foot, {array.pitch * 1e3:g} mm apart;"
+                " a larger pitch wanted"
             )
     return bumps

@@ -29,9 +29,9 @@ CRC = struct.Struct("<H")
 VERSION = 1
 KINDS = (np.dtype("<i2"), np.dtype("<f4"))
 SIDE, BOARDS = 255, 256
-"""Most rows, columns and boards that the header can say."""
+"""Largest numbers of rows or columns, and of boards, in the header."""
 USUAL = 64 * 64
-"""Taxels of a frame that is waited for though the description has smaller ones, to say that it is unfit."""
+"""Taxels of the longest frame that is decoded, at least: a frame larger than the description is reported as unfit."""
 
 
 class NativeDecoder(Decoder):

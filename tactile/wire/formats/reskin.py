@@ -35,7 +35,7 @@ def possible(chips: NDArray[np.float32]) -> bool:
 
 
 def plausible(chips: NDArray[np.float32]) -> bool:
-    """Return whether (chips, 4) numbers are what chips would send: see the head of this file."""
+    """Return whether numbers (chips, 4) are plausible readings of chips: see the docstring of this module."""
     size = np.abs(chips)
     field = ((size[:, 1:] >= FIELD[0]) & (size[:, 1:] <= FIELD[1])) | (size[:, 1:] == 0)
     alive = (chips[:, 0] > TEMPERATURE[0]) & (chips[:, 0] < TEMPERATURE[1]) & (size[:, 0] > 1e-3)

@@ -147,23 +147,23 @@ class RoundShape(IndenterShape):
         return self.indentation_at_force(pressing, medium.contact_modulus) if law is None else law.indentation(pressing)
 
     def profile(self, medium: Medium) -> tuple[Profile, float]:
-        """Return the pressure, and the length [m] by which the contact radius becomes the profile's lam."""
+        """Return the pressure, and the length [m] by which contact radii are divided for the profile's ``lam``."""
         law = self.layer_law(medium)
         if law is not None:
             return law.profile, medium.thickness
         return self.pressure, self.radius if np.isfinite(self.pressure.limit) else np.inf
 
     def stuck_circles(self, force: Floats, stuck: Floats, medium: Medium) -> tuple[Floats, Floats, Profile] | None:
-        """Return how a pull is reduced in the circle that sticks, None where by the pressure under ``stuck`` [N].
+        """Return the reduction of the shear in the sticking circle, None where it is the pressure under ``stuck`` [N].
 
-        Radii [m] of the circles; the share of the reduction that is spread like the pressure; the profile of the rest.
-        Only on a layer this is no pressure. Source: ``tactile.elastic.layer_slip``.
+        Returns the radii [m] of the circles, the share of the reduction that is distributed like the pressure, and the
+        profile of the rest. Only on a layer the reduction is not a pressure. Source: ``tactile.elastic.layer_slip``.
         """
         law = self.layer_law(medium)
         return None if law is None else law.stuck_circles(law.radius(force), stuck / np.where(force > 0, force, 1.0))
 
     def carrying(self, medium: Medium) -> "Carry | None":
-        """Return how friction's rings change with the normal force, None where they keep it: see ``LayerLaw``."""
+        """Return the change of friction's rings with the normal force, None without a change: see ``LayerLaw``."""
         law = self.layer_law(medium)
         return None if law is None else law.carried_over
 

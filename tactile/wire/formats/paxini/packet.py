@@ -100,5 +100,5 @@ def longest(data: int) -> int:
 def one_module(options: Options) -> int:
     """Return the taxels of the only module."""
     if len(options.taxels) != 1:
-        raise InputError(f"paxini-serial: {len(options.taxels)} arrays; this board has 1")
+        raise InputError(f"paxini-serial: {len(options.taxels)} arrays; this board has 1, one [[finger]] wanted")
     return options.taxels[0]
