@@ -84,7 +84,7 @@ def sensitivity(fit: ScanFit, last: float, unit: float) -> Sensitivity:
         )
     beta, sigma = extrema(fit.parameters), float(fit.spread(lambda one: np.array([extrema(one)]))[0])
     if not abs(beta) > SURE * sigma:
-        raise InputError(f"beta_ns {beta * unit:.3g} +- {sigma * unit:.3g}: the scan has no signal above its noise")
+        raise InputError(f"beta_ns {beta * unit:.3g} +- {sigma * unit:.3g}: a signal above its noise wanted")
     return Sensitivity(beta * unit, sigma * unit)
 
 

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     )
 )
 @click.argument("scene", type=FILE)
-@click.option("--tolerance", "tolerances", type=float, multiple=True, help="One or more, instead of 0.3 to 0.001.")
-@click.option("-o", "--output", type=FILE, help="Where the diagram goes (PNG, SVG, PDF).")
-@click.option("--csv", "table", type=FILE, help="Where the figures go, a line a tolerance.")
+@click.option("--tolerance", "tolerances", type=float, multiple=True, help="Tolerance instead of 0.3 to 0.001; again.")
+@click.option("-o", "--output", type=FILE, help="File of the diagram (PNG, SVG, PDF).")
+@click.option("--csv", "table", type=FILE, help="File of the figures, one line per tolerance.")
 @JSON
 def accuracy(
     scene: Path, tolerances: tuple[float, ...], output: Path | None, table: Path | None, as_json: bool

@@ -30,16 +30,16 @@ from tactile.sources import open_source
 @click.option("--load-n", type=float, help="True load of the needle.")
 @click.option(
     "--weights", type=FILE,
-    help="CSV table of known loads: from_s, to_s, grams (or f_n), and where there are such q_n, r_n, x_mm, y_mm.",
+    help="CSV table of known loads: from_s, to_s, grams (or f_n), and optionally q_n, r_n, x_mm, y_mm.",
 )  # fmt: skip
 @click.option(
     "--fit", type=click.Choice(get_args(Model)), default="matrix", show_default=True,
     help="With --weights: a 3 x 3 matrix of every taxel, three gains of every taxel, or one matrix for all.",
 )  # fmt: skip
-@click.option("--tare", type=int, default=0, show_default=True, help="Unloaded frames at the start to average away.")
+@click.option("--tare", type=int, default=0, show_default=True, help="Unloaded frames at the start, for the offset.")
 @click.option(
     "--toward", type=(float, float), metavar="X Y",
-    help="Direction of the slide in the array's frame; without it the sign of the shear is taken to be right.",
+    help="Direction of the slide in the array's frame; without it the sign of the shear is assumed to be right.",
 )  # fmt: skip
 @click.option("-o", "--output", type=FILE, help="File for `tactile run --calibration`.")
 @JSON

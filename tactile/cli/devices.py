@@ -49,7 +49,7 @@ def ports(as_json: bool) -> None:
 @click.option("--recording", type=FILE, help="Recording (.mcap) whose bytes are sent unchanged.")
 @click.option("--write-array", type=FILE, help="File to write the matching array description to.")
 @click.option("--link", type=FILE, help="Link to the port; its name stays the same after unplugging.")
-@click.option("--loop", is_flag=True, help="Begin again at the end.")
+@click.option("--loop", is_flag=True, help="Start again after the last frame.")
 @click.option("--drop", type=float, default=0.0, help="Probability that a frame is lost.")
 @click.option("--repeat", type=float, default=0.0, help="Probability that a frame is sent twice.")
 @click.option("--flip", type=float, default=0.0, help="Probability that a bit is changed.")
@@ -82,7 +82,7 @@ def emulate(
 
         recorded = open_recording(recording)
         if not lock(kept.enter_context(open_shut(recording)), shared=True):
-            raise InputError(f"{recording}: it is still being recorded")
+            raise InputError(f"{recording}: still being recorded; a closed recording wanted")
         description = recorded.description
         encoder = description.wire.encoder(description.options)
         stream = ((chunk.t * 1e-9, chunk.data) for chunk in recorded.chunks() if chunk.note != UNPLUGGED)

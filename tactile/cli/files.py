@@ -22,7 +22,7 @@ from tactile.cli.options import FILE
 @click.argument("name")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), show_default=".",
               help="Folder for it.")  # fmt: skip
-@click.option("--replace", is_flag=True, help="Write over a file that is there already.")
+@click.option("--replace", is_flag=True, help="Overwrite an existing file.")
 def new(kind: str, name: str, output: Path, replace: bool) -> None:
     """Write a commented file NAME.toml, which runs as it is.
 
@@ -51,7 +51,7 @@ def new(kind: str, name: str, output: Path, replace: bool) -> None:
 )  # fmt: skip
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE)
-@click.option("--replace", is_flag=True, help="Write over TARGET if it is there already.")
+@click.option("--replace", is_flag=True, help="Overwrite an existing TARGET.")
 def convert(source: Path, target: Path, replace: bool) -> None:
     """Convert recordings and scenes to another file format.
 

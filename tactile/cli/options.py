@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 FILE = click.Path(path_type=Path)
 PROTOCOL = click.option("--protocol", type=click.Choice(list(NAMES)), help="For devices that need no --array.")
-JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
-ARRAY = click.option("--array", "-a", type=FILE, help="Array description (TOML), as CONNECT.md explains.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+ARRAY = click.option("--array", "-a", type=FILE, help="Array description (TOML); CONNECT.md has the format.")
 
 
 def chosen_description(protocol: str | None, array: Path | None) -> "Description":
@@ -114,7 +114,7 @@ def detection(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options of thresholds and detectors."""
     for option in reversed((
         click.option("--dead-band", type=float, help="Least shear that is a direction [unit of the quantity]."),
-        click.option("--hysteresis", type=float, help="A direction starts only this much above the dead band."),
+        click.option("--hysteresis", type=float, help="Distance above the dead band at which a direction starts."),
         click.option("--contact-level", type=float, help="Least pressing at which a taxel stays in contact [unit]."),
         click.option(
             "--sigmas", type=float, nargs=3,

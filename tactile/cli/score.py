@@ -28,25 +28,23 @@ FEW = 0.5
 @click.argument("recordings", type=FILE, required=False)
 @click.option("--labels", type=FILE, help="CSV: recording, sensor, times [s].")
 @click.option(
-    "--grasps", type=click.IntRange(0, 1_000_000), default=0, help="So many simulated grasps with known onsets."
+    "--grasps", type=click.IntRange(0, 1_000_000), default=0, help="Number of simulated grasps with known onsets."
 )
 @click.option("--from-seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the first grasp.")
-@click.option("--idle-minutes", type=Finite(0), default=0.0, help="Minutes of noise in which nothing is.")
+@click.option("--idle-minutes", type=Finite(0), default=0.0, help="Minutes of noise without any contact.")
 @click.option("--half", type=click.Choice(HALVES), default="all", help="Every other recording and grasp.")
 @click.option(
     "--window-ms",
     type=Finite(0, min_open=True),
     default=50.0,
     show_default=True,
-    help="How near an event has to begin.",
+    help="Largest error of an onset.",
 )
 @ARRAY
-@click.option(
-    "--gain", "gains", type=Finite(), multiple=True, help="Of sequences: also try readings times this; again."
-)
+@click.option("--gain", "gains", type=Finite(), multiple=True, help="Of sequences: factor on the readings; again.")
 @click.option("--kind", "kinds", multiple=True, help="Of sequences: kind that is a slip [all of pulling and slipping].")
 @click.option(
-    "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file does not say it."
+    "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file has no rate_hz."
 )
 @detection
 @JSON

@@ -30,7 +30,7 @@ from tactile.settings import PipelineOptions
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
 SECONDS = click.option("--seconds", type=Finite(0, min_open=True), help="Stop after this time [s].")
 ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
-REPLACE = click.option("--replace", is_flag=True, help="Write over a recording that is there already.")
+REPLACE = click.option("--replace", is_flag=True, help="Overwrite an existing recording.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
 
 
@@ -80,7 +80,7 @@ def record(
 @click.option("--record", "output", type=FILE, help="Recording to write (.mcap).")
 @click.option(
     "--tare", type=click.Choice(["auto", "manual", "off"]), default="auto", show_default=True,
-    help="Renew the offset from still, unloaded frames by itself, only when t is typed, or never.",
+    help="Renew the offset automatically from still, unloaded frames, only on request (t), or never.",
 )  # fmt: skip
 @click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin, as `tactile calibrate` writes.")
 @detection
@@ -126,7 +126,7 @@ def live(
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))
 @click.argument("recording", type=FILE)
 @click.option("--paced", is_flag=True, help="At the recording's own speed instead of as fast as possible.")
-@click.option("--speed", type=Finite(0, min_open=True), help="As --paced, this many times as fast.")
+@click.option("--speed", type=Finite(0, min_open=True), help="As --paced, faster by this factor.")
 @detection
 @JSON
 def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **chosen: Any) -> None:

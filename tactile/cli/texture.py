@@ -62,7 +62,7 @@ def texture() -> None:
 @click.option("-o", "--output", type=FILE, required=True, help="The model's file (.npz).")
 @click.option("--features", type=click.Choice(KINDS), default="full", show_default=True,
               help="The full set, or the paper's two figures.")  # fmt: skip
-@click.option("--replace", is_flag=True, help="Write over a model that is there already.")
+@click.option("--replace", is_flag=True, help="Overwrite an existing model.")
 @_shared
 def train(
     folder: Path, output: Path, features: str, replace: bool, labels: Path | None, window: int, speed: float | None,
@@ -95,7 +95,7 @@ def train(
 
 @texture.command(epilog=examples("tactile texture classify slides/ --model out/materials.npz"))
 @click.argument("source", type=FILE)
-@click.option("--model", type=FILE, required=True, help="What `tactile texture train` has written.")
+@click.option("--model", type=FILE, required=True, help="Model file of `tactile texture train`.")
 @click.option("--confidence", type=Finite(0, 1), default=0.5, show_default=True,
               help="Confidence below which a material is unknown.")  # fmt: skip
 @_shared

@@ -73,7 +73,7 @@ def check(case: Case) -> None:
     table, folder = changed_table(case)
     scene_from(table, case["scene"], folder)
     if "force" in case and not table.get("load"):
-        raise InputError(f"{case['scene']}: no [[load]] whose forces 'force' could multiply")
+        raise InputError(f"{case['scene']}: no [[load]] with forces, which 'force' multiplies; one wanted")
 
 
 def run(cases: Sequence[Case]) -> list[Row]:

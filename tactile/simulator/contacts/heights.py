@@ -20,7 +20,8 @@ def read_heights(path: Path, pitch: float, unit: float = 1e-3) -> Floats:
     Arguments: ``unit`` [m] of the file; ``pitch`` [m] of the cells.
 
     Raises:
-        InputError: no such file, contents that do not match its suffix, heights that are not finite, over 262 144 cells.
+        InputError: no such file, contents of another kind than its suffix, heights that are not finite, over 262 144
+            cells.
     """
     if path.suffix.lower() == ".stl":
         return cast_heights(read_stl(path) * unit, pitch)

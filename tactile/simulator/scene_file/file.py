@@ -145,7 +145,7 @@ def _effects(table: dict[str, Any], where: str, read: Callable[..., Any]) -> lis
 def _tolerance(table: dict[str, Any], where: str) -> float | None:
     if "effects" not in table:
         if "tolerance" in table:
-            raise InputError(f"{where}: a tolerance without effects = 'auto'{line_of(table, 'tolerance')}")
+            raise InputError(f"{where}: a tolerance without effects = 'auto'; both wanted{line_of(table, 'tolerance')}")
         return None
     if table["effects"] != "auto":
         raise InputError(

@@ -31,7 +31,7 @@ KINDS = (np.dtype("<i2"), np.dtype("<f4"))
 SIDE, BOARDS = 255, 256
 """Largest numbers of rows or columns, and of boards, in the header."""
 USUAL = 64 * 64
-"""Taxels of the longest frame that is decoded, at least: a frame larger than the description is reported as unfit."""
+"""Frames of up to this number of taxels are decoded even if the description has fewer, and are counted as unfit."""
 
 
 class NativeDecoder(Decoder):
