@@ -1,4 +1,4 @@
-"""The public door: every name is there, and importing the package imports neither NumPy nor the machine."""
+"""The public interface of `tactile`: names, lazy imports, errors of wrong arguments."""
 
 import subprocess
 import sys
@@ -12,11 +12,11 @@ import tactile
 from tests.kits.paths import SCENES
 
 
-def test_every_public_name_is_there() -> None:
+def test_every_public_name_exists() -> None:
     assert all(getattr(tactile, name) is not None for name in tactile.__all__)
     assert dir(tactile) == tactile.__all__
     with pytest.raises(AttributeError, match="no attribute 'roll'"):
-        tactile.roll  # type: ignore[attr-defined]  # noqa: B018 - it is asked for
+        tactile.roll  # type: ignore[attr-defined]  # noqa: B018
 
 
 def test_importing_the_package_imports_nothing_slow() -> None:
@@ -25,20 +25,20 @@ def test_importing_the_package_imports_nothing_slow() -> None:
     assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[]"
 
 
-def test_a_scene_through_the_door() -> None:
+def test_a_scene_runs_by_public_names() -> None:
     kinds: list[str] = []
     source = tactile.open_source(SCENES / "needle.toml")
     tactile.run(source, tactile.Settings(), [lambda report: kinds.extend(one.kind for one in report.events)])
     assert kinds == ["contact", "hold", "release"]
 
 
-DOOR: Any = tactile  # what is wrong is tried, which types would refuse
+API: Any = tactile  # for arguments of wrong types
 
 
-def test_numbers_of_numpy_become_plain_ones() -> None:
-    array = DOOR.TaxelArray("a", np.int64(2), np.int32(2), np.float64(0.004), np.float64(0.001))
+def test_numpy_numbers_become_python_numbers() -> None:
+    array = API.TaxelArray("a", np.int64(2), np.int32(2), np.float64(0.004), np.float64(0.001))
     assert repr(array) == repr(tactile.TaxelArray("a", 2, 2, 0.004, 0.001))
-    assert repr(DOOR.Threshold(np.float64(0.5), np.int64(1))) == "Threshold(dead_band=0.5, hysteresis=1.0)"
+    assert repr(API.Threshold(np.float64(0.5), np.int64(1))) == "Threshold(dead_band=0.5, hysteresis=1.0)"
 
 
 SCENE = tactile.open_source(SCENES / "needle.toml")
@@ -47,48 +47,42 @@ PATH = [[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]
 
 
 @pytest.mark.parametrize(("wrong", "message"), [
-    (lambda: DOOR.TaxelArray("a", 3.5, 5, 1e-3, 1e-3), "3.5 x 5 taxels"),
-    (lambda: DOOR.TaxelArray("a", "3", 5, 1e-3, 1e-3), "two integers and two lengths"),
-    (lambda: DOOR.TaxelArray("a", 3, 5, "x", 1e-3), "pitch 'x'"),
-    (lambda: DOOR.TaxelArray(1, 3, 5, 1e-3, 1e-3), "taxel array 1"),
-    (lambda: DOOR.Settings(window="x"), "window 'x'; a whole number of frames wanted"),
-    (lambda: DOOR.Settings(tare="sometimes"), "tare 'sometimes'; one of 'auto', 'manual', 'off'"),
-    (lambda: DOOR.Settings(programs="two-blobs.toml"), "programs 'two-blobs.toml'; a tuple"),
-    (lambda: DOOR.run("scene.toml", DOOR.Settings(), []), r"open_source\('scene.toml'\)"),
-    (lambda: DOOR.TaxelArray("a", 3, 5, 1e-3, 1e-3, "strain"), "origin 'strain'; its centre"),
-    (lambda: DOOR.TaxelArray("a", 3, 5, pich=1e-3, depth=1e-3), "no keyword 'pich'; did you mean 'pitch'"),
-    (lambda: DOOR.Settings(windw=3), "no keyword 'windw'; did you mean 'window'"),
-    (lambda: DOOR.Settings(shear=0.1), "shear 0.1; a Threshold wanted"),
-    (lambda: DOOR.Settings(sigmas=(4, 6, 3)), r"sigmas \(4, 6, 3\); Sigmas wanted"),
-    (lambda: DOOR.Settings(gains=3), "gains 3; Gains wanted"),
-    (lambda: DOOR.Settings(depth="a"), "depth 'a'; a number wanted"),
-    (lambda: DOOR.Settings(programs=3), "programs 3; a tuple"),
-    (lambda: DOOR.Threshold("a", 1), "dead_band is 'a'; a number"),
-    (lambda: DOOR.Threshold(deadband=1, hysteresis=1), "did you mean 'dead_band'"),
-    (lambda: DOOR.Indenter("sphere", "a"), "radius 'a'; a number"),
-    (lambda: DOOR.Indenter("sphere", radus=1), "did you mean 'radius'"),
-    (lambda: DOOR.run(SCENE, {}, []), "settings {}; Settings"),
-    (lambda: DOOR.run(SCENE, DOOR.Settings(), print), "sinks <built-in function print>; a list of functions"),
-    (lambda: DOOR.run(SCENE, DOOR.Settings(), [3]), r"sinks \(3,\); a list of functions"),
-    (lambda: DOOR.open_source(3), "path 3; the name of a file"),
-    (lambda: DOOR.load_calibration(3), "path 3; the name of a file"),
-    (lambda: DOOR.read_detector(3), "path 3; the name of a file"),
-    (lambda: DOOR.make_effect(3), "effect 3; the name of one"),
-    (lambda: DOOR.make_effect("read_noise", rms="a"), "effect read_noise: rms = 'a'; a number"),
-    (lambda: DOOR.MovingContact(0, "sphere", PATH), "indenter 'sphere' of a contact; an Indenter"),
-    (lambda: DOOR.MovingContact(0, DOOR.Indenter(), [[1], [1, 2]]), "path of a contact of shape"),
-    (lambda: DOOR.MovingContact(0, DOOR.Indenter(), PATH, "a"), "friction 'a' of a contact"),
-    (lambda: DOOR.Scene("s", "a", 1, 2e6, [ARRAY]), "rate 'a', a positive number"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, ARRAY), r"arrays TaxelArray.*; a list of them wanted: \[TaxelArray"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, [3]), "arrays with 3; each a TaxelArray"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], [3]), "3; a finger from 0 to 0"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], DOOR.MovingLoad("a", PATH)), "loads MovingLoad.*; a list of them"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], [DOOR.MovingLoad("a", PATH)]), "MovingLoad.*; a finger from 0"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], seed=1.5), "seed = 1.5, a whole number"),
-    (lambda: DOOR.Scene("s", 100, 1, 2e6, [ARRAY], effects=DOOR.make_effect("drift")), "effects Drift.*; a list"),
-    (lambda: DOOR.Frame(0, 0.0, 0, [[[1, 2, 3]]], [[True]]), "frame 0: lists of values; arrays"),
+    (lambda: API.TaxelArray("a", 3.5, 5, 1e-3, 1e-3), "3.5 x 5 taxels"),
+    (lambda: API.TaxelArray("a", 3, 5, "x", 1e-3), "pitch 'x'"),
+    (lambda: API.TaxelArray(1, 3, 5, 1e-3, 1e-3), "taxel array 1"),
+    (lambda: API.Settings(window="x"), "window 'x'; a whole number of frames wanted"),
+    (lambda: API.Settings(tare="sometimes"), "tare 'sometimes'; one of 'auto', 'manual', 'off'"),
+    (lambda: API.Settings(programs="two-blobs.toml"), "programs 'two-blobs.toml'; a tuple"),
+    (lambda: API.run("scene.toml", API.Settings(), []), r"open_source\('scene.toml'\)"),
+    (lambda: API.TaxelArray("a", 3, 5, 1e-3, 1e-3, "strain"), "origin 'strain'; its centre"),
+    (lambda: API.TaxelArray("a", 3, 5, pich=1e-3, depth=1e-3), "no keyword 'pich'; did you mean 'pitch'"),
+    (lambda: API.Settings(windw=3), "no keyword 'windw'; did you mean 'window'"),
+    (lambda: API.Settings(shear=0.1), "shear 0.1; a Threshold wanted"),
+    (lambda: API.Settings(sigmas=(4, 6, 3)), r"sigmas \(4, 6, 3\); Sigmas wanted"),
+    (lambda: API.Settings(gains=3), "gains 3; Gains wanted"),
+    (lambda: API.Settings(depth="a"), "depth 'a'; a number wanted"),
+    (lambda: API.Threshold("a", 1), "dead_band is 'a'; a number"),
+    (lambda: API.Indenter("sphere", "a"), "radius 'a'; a number"),
+    (lambda: API.run(SCENE, {}, []), "settings {}; Settings"),
+    (lambda: API.run(SCENE, API.Settings(), print), "sinks <built-in function print>; a list of functions"),
+    (lambda: API.open_source(3), "path 3; the name of a file"),
+    (lambda: API.read_detector(3), "path 3; the name of a file"),
+    (lambda: API.make_effect(3), "effect 3; the name of one"),
+    (lambda: API.make_effect("read_noise", rms="a"), "effect read_noise: rms = 'a'; a number"),
+    (lambda: API.MovingContact(0, "sphere", PATH), "indenter 'sphere' of a contact; an Indenter"),
+    (lambda: API.MovingContact(0, API.Indenter(), [[1], [1, 2]]), "path of a contact of shape"),
+    (lambda: API.MovingContact(0, API.Indenter(), PATH, "a"), "friction 'a' of a contact"),
+    (lambda: API.Scene("s", "a", 1, 2e6, [ARRAY]), "rate 'a', a positive number"),
+    (lambda: API.Scene("s", 100, 1, 2e6, ARRAY), r"arrays TaxelArray.*; a list of them wanted: \[TaxelArray"),
+    (lambda: API.Scene("s", 100, 1, 2e6, [3]), "arrays with 3; each a TaxelArray"),
+    (lambda: API.Scene("s", 100, 1, 2e6, [ARRAY], [3]), "3; a finger from 0 to 0"),
+    (lambda: API.Scene("s", 100, 1, 2e6, [ARRAY], API.MovingLoad("a", PATH)), "loads MovingLoad.*; a list of them"),
+    (lambda: API.Scene("s", 100, 1, 2e6, [ARRAY], [API.MovingLoad("a", PATH)]), "MovingLoad.*; a finger from 0"),
+    (lambda: API.Scene("s", 100, 1, 2e6, [ARRAY], seed=1.5), "seed = 1.5, a whole number"),
+    (lambda: API.Scene("s", 100, 1, 2e6, [ARRAY], effects=API.make_effect("drift")), "effects Drift.*; a list"),
+    (lambda: API.Frame(0, 0.0, 0, [[[1, 2, 3]]], [[True]]), "frame 0: lists of values; arrays"),
 ])  # fmt: skip
-def test_what_is_no_value_of_the_doors_things_is_refused(wrong: Callable[[], Any], message: str) -> None:
+def test_wrong_arguments_are_refused(wrong: Callable[[], Any], message: str) -> None:
     with pytest.raises(tactile.InputError, match=message):
         wrong()
 

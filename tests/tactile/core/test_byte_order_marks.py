@@ -1,4 +1,4 @@
-"""Files that begin with a byte-order mark, as some editors write it, read as those without."""
+"""Text files with a byte-order mark or in another encoding."""
 
 from collections.abc import Callable
 from itertools import islice
@@ -50,14 +50,14 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_a_byte_order_mark_is_no_part_of_the_text(plain: Path, tmp_path: Path, name: str) -> None:
+def test_a_byte_order_mark_is_ignored(plain: Path, tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b"\xef\xbb\xbf" + (plain / name).read_bytes())
     read = READERS[name]
     assert str(read(tmp_path / name)).replace(str(tmp_path), "") == str(read(plain / name)).replace(str(plain), "")
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_a_text_in_another_encoding_is_told_alike_of_all_files(plain: Path, tmp_path: Path, name: str) -> None:
+def test_text_that_is_not_utf_8_is_refused(plain: Path, tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes((plain / name).read_text(encoding="utf-8").encode("utf-16"))
     with pytest.raises(InputError, match=rf"{name}: cannot be read as an? .*: no UTF-8 text \(line 1\)$"):
         READERS[name](tmp_path / name)

@@ -1,4 +1,4 @@
-"""Files of one kind given for another are named as what they are, with what takes them."""
+"""A file of the wrong kind is refused with its kind and the commands that read it."""
 
 import re
 from collections.abc import Callable
@@ -24,7 +24,7 @@ READERS: dict[str, Callable[[Path], Any]] = {
 
 @pytest.mark.parametrize("wanted", READERS)
 @pytest.mark.parametrize("given", ["scene", "array", "detector"])
-def test_another_kind_of_file_is_named(tmp_path: Path, given: str, wanted: str) -> None:
+def test_another_kind_of_file_is_refused_by_name(tmp_path: Path, given: str, wanted: str) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(TEXTS[given].replace("NAME", "mine"), encoding="utf-8")
     if wanted.startswith(given):
@@ -36,6 +36,6 @@ def test_another_kind_of_file_is_named(tmp_path: Path, given: str, wanted: str) 
     assert not re.search("unknown key", str(raised.value))
 
 
-def test_no_array_has_the_name_of_the_hand() -> None:
+def test_the_array_name_hand_is_reserved() -> None:
     with pytest.raises(InputError, match="the name of events of several fingers"):
         TaxelArray("hand", 2, 2, 1e-3, 1e-3)

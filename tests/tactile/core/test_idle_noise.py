@@ -1,4 +1,4 @@
-"""Frames of nothing but noise: no load; and light loads that stand out from it are located all the same."""
+"""Frames of noise have no load, and light loads above the noise are located."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ MODULUS, IDLE = 1e6, 200
 
 
 def located(array: TaxelArray, sigma: float, pressed: np.ndarray | float, valid: bool = True) -> list[Load]:
-    """The loads of so many idle frames, and of as many in which ``pressed`` is felt, if these are ``valid``."""
+    """Return the loads of IDLE frames of noise and of IDLE frames with ``pressed`` added, which may be invalid."""
     random = np.random.default_rng(array.rows)
     values = sigma * random.normal(size=(2 * IDLE, *array.shape, 3))
     values[IDLE:] += pressed
@@ -32,8 +32,8 @@ def test_noise_is_no_load(quantity: Quantity, sigma: float, side: int) -> None:
     assert {load.validity for load in located(array, sigma, 0.0)[60:]} == {Validity.NO_LOAD}
 
 
-def test_a_light_load_stands_out() -> None:
-    """One taxel bears 8 sigma; or all of 64 bear 2."""
+def test_a_light_load_is_located() -> None:
+    """8 sigma on one taxel, or 2 sigma on all 64."""
     array = TaxelArray("pad", 8, 8, 1e-3, 1e-3, quantity="stress")
     one = np.zeros((8, 8, 3))
     one[3, 4, 2] = -8e3
@@ -42,14 +42,14 @@ def test_a_light_load_stands_out() -> None:
         assert np.mean([load.validity is not Validity.NO_LOAD for load in found]) > 0.9
 
 
-def test_what_no_taxel_can_tell_is_not_called_no_load() -> None:
+def test_frames_without_valid_taxels_are_invalid() -> None:
     array = TaxelArray("pad", 4, 4, 1e-3, 1e-3, quantity="stress")
     found = located(array, 1e3, 0.0, valid=False)
     assert {load.validity for load in found[60:IDLE]} == {Validity.NO_LOAD}
     assert {load.validity for load in found[IDLE:]} == {Validity.INVALID}
 
 
-def test_readings_that_are_not_known_are_not_called_noise() -> None:
+def test_missing_readings_are_no_noise() -> None:
     values = np.zeros((2, 2, 3))
     assert is_noise(values, np.ones(values.shape))
     values[0, 0, 0] = np.nan

@@ -1,4 +1,4 @@
-"""Materials learned from simulated slides, told on others, and kept in files."""
+"""Texture models: training on simulated slides, classification, files, cross-validation splits."""
 
 from pathlib import Path
 
@@ -31,12 +31,12 @@ def others(model: TextureModel, *names: str) -> WindowTable:
     return cut([slide(name, 900 + n) for n, name in enumerate(names)], model.features, WINDOW)
 
 
-def test_other_slides_are_told_and_an_unknown_material_is_not(learned: TextureModel) -> None:
+def test_slides_are_classified_and_an_unknown_material_is_unknown(learned: TextureModel) -> None:
     table = others(learned, *KNOWN, "rasp")
-    told = told_slides(learned, table, 0.5)
-    assert [one["told"] for one in told] == [*KNOWN, "unknown"]
-    assert min(one["confidence"] for one in told[:3]) > 0.6 > 0.4 > told[3]["confidence"]
-    assert [len(one["windows"]) for one in told] == [4] * 4
+    results = told_slides(learned, table, 0.5)
+    assert [one["told"] for one in results] == [*KNOWN, "unknown"]
+    assert min(one["confidence"] for one in results[:3]) > 0.6 > 0.4 > results[3]["confidence"]
+    assert [len(one["windows"]) for one in results] == [4] * 4
     assert told_slides(learned, table, 0.0)[3]["told"] in KNOWN
     assert strange(learned, others(learned, "screw")) == []
     (again,) = strange(learned, cut(slides(6, KNOWN), learned.features, WINDOW))
@@ -45,14 +45,14 @@ def test_other_slides_are_told_and_an_unknown_material_is_not(learned: TextureMo
     assert strange(learned, fast)[0].startswith("rate_hz ")
 
 
-def test_a_model_is_the_same_after_reading(learned: TextureModel, tmp_path: Path) -> None:
+def test_a_model_round_trips(learned: TextureModel, tmp_path: Path) -> None:
     write_model(tmp_path / "m.npz", learned)
     again = read_model(tmp_path / "m.npz")
     table = others(learned, "rasp", "screw")
     for ours, theirs in zip(learned.tell(table), again.tell(table), strict=True):
         assert (ours == theirs).all()
     assert again.conditions == learned.conditions
-    with np.load(tmp_path / "m.npz", allow_pickle=False) as file:  # an array of objects would be refused
+    with np.load(tmp_path / "m.npz", allow_pickle=False) as file:  # object arrays would be refused
         assert all(file[name].dtype != object for name in file.files)
 
 
@@ -79,7 +79,7 @@ def test_damaged_and_foreign_files_are_refused(learned: TextureModel, tmp_path: 
         read_model(bad)
 
 
-def test_nothing_is_on_both_sides_of_a_split() -> None:
+def test_splits_are_disjoint() -> None:
     made = slides(4, KNOWN)
     features = feature_set("full", WINDOW, made)
     table = cut(made, features, hop(features))
@@ -88,8 +88,8 @@ def test_nothing_is_on_both_sides_of_a_split() -> None:
         assert not set(table.slide[train_on]) & set(table.slide[test_on])
         assert set(table.material[test_on]) == set(KNOWN)
         assert not (table.start[test_on] % WINDOW).any()
-    tried = [test_on for _, test_on in by_slide(table, WINDOW)]
-    assert sorted(np.concatenate(tried)) == np.flatnonzero(table.start % WINDOW == 0).tolist()
+    tested = [test_on for _, test_on in by_slide(table, WINDOW)]
+    assert sorted(np.concatenate(tested)) == np.flatnonzero(table.start % WINDOW == 0).tolist()
     splits = list(by_block(table, WINDOW))
     assert [set(table.block[test_on]) for _, test_on in splits] == [{0}, {1}, {2}, {3}]
     assert not any(set(table.block[a]) & set(table.block[b]) for a, b in splits)
@@ -98,11 +98,11 @@ def test_nothing_is_on_both_sides_of_a_split() -> None:
         assert low.max() + WINDOW <= 200 <= high.min()
 
 
-def test_too_little_to_learn_from_is_refused() -> None:
+def test_too_few_slides_are_refused() -> None:
     made = slides(2, KNOWN)
     features = feature_set("figures", WINDOW, made)
-    for few, said in ((made[:2], "two materials"), (made[:3], "1 slide with windows of smooth wood")):
-        with pytest.raises(InputError, match=said):
+    for few, message in ((made[:2], "two materials"), (made[:3], "1 slide with windows of smooth wood")):
+        with pytest.raises(InputError, match=message):
             train(few, features)
     nameless = [*made, cut([slide("rasp", 1)], features, WINDOW).slides[0].__class__("x", made[0].t, made[0].force)]
     with pytest.raises(InputError, match="slide x: no material"):

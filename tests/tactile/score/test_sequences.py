@@ -1,4 +1,4 @@
-"""Sequences of a magnetometer board, slipping or still: told apart at every gain, with onsets that are known."""
+"""`tactile score` on sequences of a magnetometer board, slipping or still: accuracy, onsets, wrong files."""
 
 import json
 from pathlib import Path
@@ -13,7 +13,7 @@ from tests.kits.serial import call
 from tests.kits.touch.sequences import RATE, START, write_sequences
 
 
-def test_an_onset_is_where_a_signal_begins_to_grow() -> None:
+def test_the_onset_is_the_start_of_growth() -> None:
     rng = np.random.default_rng(1)
     for start in (60, 100, 150):
         norm = 10 + 20 * np.maximum(np.arange(250) - start, 0) + 5 * rng.standard_normal(250)
@@ -22,7 +22,7 @@ def test_an_onset_is_where_a_signal_begins_to_grow() -> None:
     assert plain_detector(10 + rng.standard_normal(250)) is None
 
 
-def test_sequences_are_told_at_every_gain(tmp_path: Path) -> None:
+def test_sequences_are_classified_at_every_gain(tmp_path: Path) -> None:
     file, board = write_sequences(tmp_path)
     done = call("score", file, "--array", board, "--gain", "0.25", "--gain", "4", "--json")
     assert done.exit_code == 0, done.output
@@ -37,7 +37,7 @@ def test_sequences_are_told_at_every_gain(tmp_path: Path) -> None:
     assert "accuracy 0.500" in still.stdout.splitlines()[1]
 
 
-def test_onsets_that_are_known_are_taken_and_files_that_are_wrong_refused(tmp_path: Path) -> None:
+def test_given_onsets_are_used_and_wrong_files_refused(tmp_path: Path) -> None:
     file, board = write_sequences(tmp_path, onset_s=np.array([1.19, np.nan, np.nan, np.nan]))
     description = read_description(board)
     sequences = read_sequences(file, description)
@@ -47,22 +47,22 @@ def test_onsets_that_are_known_are_taken_and_files_that_are_wrong_refused(tmp_pa
     frame = next(iter(source))
     assert frame.values[0, 1] == pytest.approx(2 * sequences.signal[0, 0, 1])
     assert not frame.valid[0, 0]
-    for wrong, said in (
+    for wrong, message in (
         ({"signal": np.zeros((4, 250, 12))}, r"\(sequences, frames, 15\)"),
         ({"slip": np.zeros(3)}, r"slip of \(3,\)"), ({"signal": np.zeros((4, 60, 15))}, "more than 80 wanted"),
         ({"rate_hz": np.array(-1.0)}, "a positive number wanted"),
     ):  # fmt: skip
         write_sequences(tmp_path, **wrong)
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=message):
             read_sequences(file, description)
     with pytest.raises(InputError, match="none"):
         read_sequences(tmp_path / "none.npz", description)
 
 
-def test_microtesla_that_are_called_strain_are_refused_or_told_of(tmp_path: Path) -> None:
-    """Without gains they are no strain; with made-up ones the loads explain nothing, and the figures say so."""
+def test_uncalibrated_strain_is_refused_or_warned_about(tmp_path: Path) -> None:
+    """Strain without gains is refused; with wrong gains, the low explained share is reported."""
     signal = np.load(write_sequences(tmp_path)[0])["signal"]
-    pressed = np.array([-4.0, 3.0, -5.0, 2.0, -3.0])  # as magnets turn, not as strain goes
+    pressed = np.array([-4.0, 3.0, -5.0, 2.0, -3.0])  # a pattern of magnets, not of strain
     signal[:, :, 2::3] += pressed * np.maximum(np.arange(250) - START, 0)[:, None]
     file, board = write_sequences(tmp_path, signal=signal)
     known = board.read_text(encoding="utf-8")

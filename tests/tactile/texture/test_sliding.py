@@ -1,4 +1,4 @@
-"""Texture figures of a scene's materials, of the located load alone."""
+"""Friction and roughness of the located load on textures of a scene."""
 
 from pathlib import Path
 
@@ -35,9 +35,7 @@ stop_s = 2.9
 
 
 @pytest.mark.parametrize(("material", "friction", "rougher"), [("rasp", 0.86, 12), ("smooth wood", 0.53, 2)])
-def test_a_rasp_that_lets_go_between_its_teeth_has_its_friction(
-    tmp_path: Path, material: str, friction: float, rougher: float
-) -> None:
+def test_friction_and_roughness_of_materials(tmp_path: Path, material: str, friction: float, rougher: float) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(TEXT.format(material=material), encoding="utf-8")
     seen = Collected()
