@@ -1,4 +1,4 @@
-"""Events are the same on every backend, on a scene and on a recording that nobody here made."""
+"""Events are the same on every backend, on a scene and on a real recording."""
 
 from functools import cache
 from itertools import islice
@@ -7,27 +7,23 @@ import pytest
 
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream
-from tactile.events.event import EventLog
-from tactile.pipeline import run
-from tactile.settings import Settings
 from tactile.sources import open_source
 from tests.kits.paths import DATA
 from tests.kits.serial import GRIP
+from tests.kits.touch.made import events
 
 OTHERS = ["reference", "opencl"]
 GRASP = DATA / "papillarray" / "grasp_release_0degree_0offset_22-00-10.npz"
 
 
 @cache
-def told(backend: str, recorded: bool) -> list[tuple[object, ...]]:
-    """What is told of every event on a backend, in the grip's first 1.8 s or a real grasp."""
+def events_of(backend: str, recorded: bool) -> list[tuple[object, ...]]:
+    """All fields of every event on a backend, in the first 1.8 s of the grip scene or in a real grasp."""
     source = open_source(GRASP if recorded else GRIP)
     frames: list[Frame] = list(islice(source, 3000 if recorded else 2 * 360))
-    log = EventLog()
     stream = FrameStream("", source.arrays, source.modulus, len(frames), frames)
-    settings = Settings(tare="auto" if recorded else "off", backend=backend)
-    run(stream, settings, [lambda report: log.add(report.events, report.ended)])
-    return [(e.finger, e.kind, e.t, e.end, e.told, e.taxels, e.words, e.arrows, e.ternary, e.hand) for e in log.events]
+    found = events(stream, tare="auto" if recorded else "off", backend=backend)
+    return [(e.finger, e.kind, e.t, e.end, e.told, e.taxels, e.words, e.arrows, e.ternary, e.hand) for e in found]
 
 
 def skip_without(backend: str) -> None:
@@ -36,15 +32,15 @@ def skip_without(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", OTHERS)
-def test_a_scene_is_told_alike(backend: str) -> None:
+def test_a_scene_has_the_same_events(backend: str) -> None:
     skip_without(backend)
-    assert told(backend, False) == told("cpu", False)
-    assert len(told("cpu", False)) >= 8
+    assert events_of(backend, False) == events_of("cpu", False)
+    assert len(events_of("cpu", False)) >= 8
 
 
-@pytest.mark.skipif(not GRASP.exists(), reason="the recordings lie beside the project, and are not here")
+@pytest.mark.skipif(not GRASP.exists(), reason="the papillarray recordings are not available")
 @pytest.mark.parametrize("backend", OTHERS)
-def test_a_recording_is_told_alike(backend: str) -> None:
+def test_a_recording_has_the_same_events(backend: str) -> None:
     skip_without(backend)
-    assert told(backend, True) == told("cpu", True)
-    assert len(told("cpu", True)) >= 6
+    assert events_of(backend, True) == events_of("cpu", True)
+    assert len(events_of("cpu", True)) >= 6

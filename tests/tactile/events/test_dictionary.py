@@ -1,4 +1,4 @@
-"""The dictionary of codes against fields whose motion is known, and larger arrays that reduce to it."""
+"""The dictionary of codes on known motions, the reduction of larger arrays, and `tactile codes`."""
 
 import json
 
@@ -16,18 +16,18 @@ def bits(field: tuple[np.ndarray, np.ndarray], size: int = 2) -> Code:
 
 
 @pytest.mark.parametrize("size", [2, 3, 4, 8])
-def test_known_motions_have_their_words_on_arrays_of_every_size(size: int) -> None:
+def test_known_motions_on_arrays_of_every_size(size: int) -> None:
     y, x = np.mgrid[0:size, 0:size] - (size - 1) / 2
     one = np.ones((size, size))
-    for field, said in (
+    for field, motion in (
         ((-y, x), "twist clockwise"), ((y, -x), "twist anticlockwise"), ((x, y), "spread"), ((-x, -y), "pinch"),
         ((one, one), "pull +x +y"), ((-one, -one), "pull -x -y"), ((one, -one), "pull +x -y"),
     ):  # fmt: skip
-        if size != 3 or said.startswith("pull"):  # the middle line of three has no sign of its own
-            assert finger_word(reduced(bits(field, size))) == said
+        if size != 3 or motion.startswith("pull"):  # the middle line of three has sign 0
+            assert finger_word(reduced(bits(field, size))) == motion
 
 
-def test_two_by_two_keeps_its_own_code_and_a_wrong_taxel_is_outvoted() -> None:
+def test_two_by_two_keeps_its_code_and_larger_arrays_vote() -> None:
     for number in range(256):
         signs = np.array([1 if number >> (7 - n) & 1 else -1 for n in range(8)], np.int8).reshape(2, 2, 2)
         code = Code(signs[..., 0], signs[..., 1], np.ones((2, 2), bool))
@@ -37,12 +37,11 @@ def test_two_by_two_keeps_its_own_code_and_a_wrong_taxel_is_outvoted() -> None:
     assert finger_word(reduced(wrong)) == "pull +x +y"
 
 
-def test_the_dictionary_has_every_code_once_and_its_mirror_image_has_the_opposite_words() -> None:
-    said = dict(entries())
-    assert sorted(said) == list(range(1 << 16))
+def test_the_dictionary_has_every_code_and_opposite_words_for_opposite_signs() -> None:
+    assert sorted(dict(entries())) == list(range(1 << 16))
     swapped = str.maketrans("+-", "-+")
     for number in range(256):
-        mirrored = finger_word(number ^ 0xFF)  # every sign turned round
+        mirrored = finger_word(number ^ 0xFF)  # every sign inverted
         here = finger_word(number)
         if here.startswith("pull"):
             assert mirrored == here.translate(swapped)
@@ -52,7 +51,7 @@ def test_the_dictionary_has_every_code_once_and_its_mirror_image_has_the_opposit
     assert word(0xFF << 8 | 0xFF) == "both pull +x +y"
 
 
-def test_the_command_prints_it() -> None:
+def test_the_command_prints_the_dictionary() -> None:
     result = call("codes", "65535", "--json")
     assert json.loads(result.stdout) == {"1" * 16: "both pull +x +y"}
     assert call("codes").stdout.count("\n") == 1 << 16
@@ -63,7 +62,7 @@ def test_the_command_prints_it() -> None:
     ("0xd8d8", "1101100011011000", ""), ("d8d8", "1101100011011000", ""), ("0101", "0000000100000001", ""),
     ("1101", "0000010001001101", "0x1101 is the code that events print so"), ("0", "0" * 16, ""),
 ])  # fmt: skip
-def test_a_code_is_taken_as_events_print_it(typed: str, bits: str, note: str) -> None:
+def test_a_code_is_read_as_events_print_it(typed: str, bits: str, note: str) -> None:
     result = call("codes", typed, "--json")
     assert list(json.loads(result.stdout)) == [bits]
     assert note in result.stderr
@@ -71,5 +70,5 @@ def test_a_code_is_taken_as_events_print_it(typed: str, bits: str, note: str) ->
 
 
 @pytest.mark.parametrize("typed", ["0x12345", "g", "012345", "0x"])
-def test_what_is_no_code_is_refused(typed: str) -> None:
+def test_other_text_is_refused(typed: str) -> None:
     assert call("codes", typed).exit_code == 2

@@ -1,11 +1,11 @@
-"""A load amid taxels that are sqrt(2) depths away presses without any of them feeling it: where it lies tells it."""
+"""Loads between taxels at a distance of sqrt(2) depths, where the normal strain is zero: contact by location."""
 
 import pytest
 
 from cnnsim.support.toml_file import parse_toml
-from tactile import Settings, run
 from tactile.events.event import Event
 from tactile.simulator.scene_file.file import scene_from
+from tests.kits.touch.made import events
 
 SCENE = """
 title = "amid four"
@@ -28,24 +28,21 @@ rms = {noise}
 """  # noqa: E501 - a file
 
 
-def told(pitch: float, side: int, force: float = 0.5, noise: float = 0.0, at: float = 0.0) -> list[Event]:
+def press(pitch: float, side: int, force: float = 0.5, noise: float = 0.0, at: float = 0.0) -> list[Event]:
     text = SCENE.format(pitch=pitch, side=side, force=force, noise=noise, at=at)
-    found: list[Event] = []
-    run(scene_from(parse_toml(text, "here"), "here"), Settings(), [lambda report: found.extend(report.events)])
-    return found
+    return events(scene_from(parse_toml(text, "here"), "here"))
 
 
 @pytest.mark.parametrize("noise", [0.0, 2e-4])
 @pytest.mark.parametrize(("pitch", "side"), [(3.0, 2), (2.9, 2), (3.1, 2), (3.0, 4)])
-def test_a_load_that_no_taxel_feels_is_a_contact(pitch: float, side: int, noise: float) -> None:
-    """The normal strain is (2 z^2 - x^2 - y^2) times something, 0 in the middle of four taxels 2 depths apart."""
-    found = told(pitch, side, noise=noise)
+def test_a_load_without_normal_strain_is_a_contact(pitch: float, side: int, noise: float) -> None:
+    """The normal strain is proportional to 2 z^2 - x^2 - y^2: 0 in the middle of four taxels 2 depths apart."""
+    found = press(pitch, side, noise=noise)
     times = {kind: [event.t for event in found if event.kind == kind] for kind in ("contact", "release")}
     assert times["contact"] == [pytest.approx(1.05, abs=0.06)]
     assert times["release"] == [pytest.approx(2.15, abs=0.06)]
 
 
-def test_a_slight_one_and_one_beside_the_array_are_none() -> None:
-    """Less than six times what a taxel right under it would feel; and one from which no array can tell who presses."""
-    assert [event.kind for event in told(3.0, 2, force=0.03)] == []
-    assert [event.kind for event in told(1.5, 2, at=3.0)] == []
+def test_a_small_load_and_one_outside_the_array_are_no_contact() -> None:
+    assert [event.kind for event in press(3.0, 2, force=0.03)] == []
+    assert [event.kind for event in press(1.5, 2, at=3.0)] == []

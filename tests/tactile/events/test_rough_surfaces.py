@@ -1,4 +1,4 @@
-"""Rough surfaces let go of the skin for moments: one contact, told once; one that vibrates and sticks does not slip."""
+"""Intermittent contact on rough surfaces is one contact; vibration without slip is no slip."""
 
 from pathlib import Path
 
@@ -6,20 +6,18 @@ import numpy as np
 import pytest
 
 from cnnsim.support import Floats, InputError
-from tactile.core.frame import NORMAL, Frame, TaxelArray
-from tactile.core.source import FrameStream, Provenance
-from tactile.events.detector_file import EventRule, read_detector
+from tactile.core.frame import NORMAL
+from tactile.events.detector_file import read_detector
 from tactile.events.event import Event
-from tactile.events.tracker import Tracker
-from tests.kits.touch.made import events, stream
+from tests.kits.touch.made import events, force_stream, stream
 
 RATE = 500
 START, STOP = 0.1, 0.9
-"""[s] From when to when the skin is on the surface, after half a second of nothing."""
+"""Time of contact [s], after 0.5 s without contact."""
 
 
 def slide(normal: Floats, rate: float = RATE) -> list[Event]:
-    """Return contacts and releases told of a ball pressed by ``normal`` (n,) [N] that drags half as much."""
+    """Return contacts and releases of a ball with normal force ``normal`` (n,) [N] and half of it as shear."""
     y, x = np.mgrid[-2.5:3.5, -2.5:3.5]
     under = np.sqrt(np.maximum(1 - (x**2 + y**2) / 2.2**2, 0))
     forces = np.zeros((len(normal), 6, 6, 3))
@@ -31,7 +29,7 @@ def slide(normal: Floats, rate: float = RATE) -> list[Event]:
 @pytest.mark.parametrize("rate", [200, 1000])
 @pytest.mark.parametrize("teeth", [31, 63, 97])
 @pytest.mark.parametrize("depth", [1.3, 2.5])
-def test_a_surface_that_lets_go_between_its_teeth_is_one_contact(teeth: int, depth: float, rate: int) -> None:
+def test_intermittent_contact_is_one_contact(teeth: int, depth: float, rate: int) -> None:
     t = np.arange(round(1.2 * rate)) / rate
     inside = (t >= START) & (t < STOP)
     normal = np.where(inside, np.maximum(1 + depth * np.sin(2 * np.pi * teeth * t), 0), 0.0)
@@ -46,7 +44,7 @@ def test_a_surface_that_lets_go_between_its_teeth_is_one_contact(teeth: int, dep
 
 
 @pytest.mark.parametrize("pause", [0.05, 0.1])
-def test_two_touches_with_a_pause_stay_two(pause: float) -> None:
+def test_two_touches_with_a_pause_are_two_contacts(pause: float) -> None:
     t = np.arange(RATE) / RATE
     normal = np.where(((t >= 0.1) & (t < 0.3)) | ((t >= 0.3 + pause) & (t < 0.6)), 1.0, 0.0)
     found = slide(normal)
@@ -54,17 +52,7 @@ def test_two_touches_with_a_pause_stay_two(pause: float) -> None:
     assert [event.t for event in found] == pytest.approx([0.6, 0.8, 0.8 + pause, 1.1], abs=0.015)
 
 
-def test_what_waits_to_be_told_need_not_stay_on_where_something_takes_it_back() -> None:
-    tracker = Tracker(EventRule("x", "w", "x", confirm=0.03, unless="v"))
-    turns = []
-    for n, (on, back) in enumerate([(1, 0), (0, 1), (0, 0), (1, 0), (1, 0), (0, 0), (0, 0), (0, 0)]):
-        turn = tracker.update(n / 100, bool(on), bool(back))
-        if turn is not None:
-            turns.append((turn, tracker.onset, tracker.end, n))
-    assert turns == [("begins", 0.03, 0.05, 6), ("ends", 0.03, 0.05, 7)]
-
-
-def test_what_takes_an_event_back_is_an_output_that_is_black_or_white(tmp_path: Path) -> None:
+def test_unless_needs_a_binary_output(tmp_path: Path) -> None:
     text = (
         'name = "x"\nllm = ["touch"]\nlam = ["pressing"]\ninputs = ["touch", "pressing"]\noutputs = ["touch", {more}]\n'
         'step = [{{ copy = "touch", to = "touch" }}]\n[[event]]\nkind = "x"\nwhen = "touch"\nunless = "pressing"\n'
@@ -76,8 +64,8 @@ def test_what_takes_an_event_back_is_an_output_that_is_black_or_white(tmp_path: 
 
 
 @pytest.mark.parametrize(("side", "hertz", "part"), [(2, 30, 0.05), (6, 30, 0.2)])
-def test_a_contact_that_vibrates_and_sticks_is_no_slip(side: int, hertz: int, part: float) -> None:
-    """Shear swings in one proportion to the pressing on all taxels: no core is to be seen but by noise."""
+def test_vibration_of_a_sticking_contact_is_no_slip(side: int, hertz: int, part: float) -> None:
+    """Shear oscillates in proportion to the pressure on all taxels."""
     t = np.arange(600) / 200
     y, x = np.mgrid[0:side, 0:side] - (side - 1) / 2
     under = np.sqrt(np.maximum(1 - (x**2 + y**2) / (0.4 * side) ** 2, 0))
@@ -85,9 +73,6 @@ def test_a_contact_that_vibrates_and_sticks_is_no_slip(side: int, hertz: int, pa
     swing = part * np.sin(2 * np.pi * hertz * t) * ((t > 1.4) & (t < 2.4))
     forces = np.stack([swing[:, None, None] * normal, np.zeros_like(normal), normal], axis=-1)
     forces += np.random.default_rng(0).standard_normal(forces.shape) * (1.1e-3, 1.1e-3, 3.6e-3)
-    pad, every = TaxelArray("pad", side, side, 3e-3, 0.0, quantity="force"), np.ones((side, side), bool)
-    frames = [Frame(0, time, n, one, every) for n, (time, one) in enumerate(zip(t.tolist(), forces, strict=True))]
-    source = FrameStream("swung", (pad,), None, len(frames), frames, Provenance(untared=True))
-    kinds = {event.kind for event in events(source, tare="auto")}
+    kinds = {event.kind for event in events(force_stream(t, forces, 3e-3), tare="auto")}
     assert {"contact", "hold", "release"} <= kinds
     assert "slip" not in kinds

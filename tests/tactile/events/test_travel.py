@@ -1,4 +1,4 @@
-"""Travel of a located load: begins where the load leaves its place; times that jump back do not break it."""
+"""Travel of a located load: detected when it leaves its place."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ def at(x: float) -> Load:
 
 
 @pytest.mark.parametrize("t", [np.arange(200) / 100, -np.arange(200) / 100], ids=["forth", "back"])
-def test_it_travels_when_it_leaves_its_place(t: np.ndarray) -> None:
+def test_a_load_that_leaves_its_place_travels(t: np.ndarray) -> None:
     rng, travel = np.random.default_rng(0), Travel()
     places = rng.normal(0, 2e-6, 200) + np.where(np.arange(200) < 150, 0.0, 1e-3)
     found = [travel.update(float(t[n]), at(float(x)), contact=True) for n, x in enumerate(places)]
@@ -23,8 +23,8 @@ def test_it_travels_when_it_leaves_its_place(t: np.ndarray) -> None:
     assert any(found[150:])
 
 
-def test_another_load_is_no_travel() -> None:
-    """Two loads 6 mm apart, of which the second becomes the stronger one and goes; then the first goes at once."""
+def test_a_change_to_another_load_is_no_travel() -> None:
+    """Two loads 6 mm apart: the second becomes the stronger one and ends; later it replaces the first."""
     travel, found = Travel(), []
     for n in range(300):
         first, second = at(0.0), replace(at(6e-3), F=2.0 if 100 <= n < 200 else 0.5)
@@ -32,14 +32,16 @@ def test_another_load_is_no_travel() -> None:
         seen = replace(both[0], others=tuple(both[1:])) if n < 280 else second
         found.append(travel.update(n / 100, seen, contact=True))
     assert not any(found)
-    assert travel.update(3.0, at(6.2e-3), contact=True)  # it is followed from there on
+    assert travel.update(3.0, at(6.2e-3), contact=True)  # tracked from its new place
 
 
-def test_a_place_that_is_not_well_known_does_not_travel() -> None:
-    """As a contact begins so little presses that noise moves the place by 0.1 mm; then it rests."""
-    vague, sure = (3e-5, 3e-5, 0.0, 0.0, 0.0), (1e-6, 1e-6, 0.0, 0.0, 0.0)
+def test_an_uncertain_place_does_not_travel() -> None:
+    """At the start of a contact, noise moves the place by 0.1 mm; then it is constant."""
+    uncertain, certain = (3e-5, 3e-5, 0.0, 0.0, 0.0), (1e-6, 1e-6, 0.0, 0.0, 0.0)
     found, travel = [], Travel()
-    for n, (x, sigma) in enumerate([(0.0, vague), (6e-5, vague), *[(1e-4, sure)] * 30, *[(3e-4, sure)] * 9]):
+    for n, (x, sigma) in enumerate(
+        [(0.0, uncertain), (6e-5, uncertain), *[(1e-4, certain)] * 30, *[(3e-4, certain)] * 9]
+    ):
         found.append(travel.update(n / 250, replace(at(x), scatter=sigma), contact=True))
     assert not any(found[:32])
     assert found[32]
