@@ -1,4 +1,4 @@
-"""Slices of time: the same bits, the same checks and the same end as in one go; and a stop is heard after one slice."""
+"""Slices of time: the same bits, checks and end as without slices; and Ctrl-C is handled after one slice."""
 
 import signal
 import time

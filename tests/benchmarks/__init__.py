@@ -1,1 +1,1 @@
-"""How fast it is, beside others on the same machine in the same minutes: ``python -m tests.benchmarks``."""
+"""Speed in comparison with other packages, in the same run on one machine: ``python -m tests.benchmarks``."""

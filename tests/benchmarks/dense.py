@@ -29,7 +29,7 @@ def backends() -> dict[str, Backend]:
 
 
 def transient(backend: Backend, a: Any, n: int, steps: int) -> Callable[[], object]:
-    """Return a run of so many steps on n x n cells, planes already loaded."""
+    """Return a run of a number of steps on n x n cells, with loaded planes."""
     rng = np.random.default_rng(0)
     template = Template(a)
     plan = make_plan(template, (n, n), fixed(0), duration=steps * H, scheme="euler", step=H)

@@ -1,4 +1,4 @@
-"""Timing by turns: everybody runs once a round, the best round counts, so that a noisy machine is noisy for all."""
+"""Alternating timing: each candidate runs once a round and its best round counts, so noise affects all alike."""
 
 import time
 from collections.abc import Callable, Mapping

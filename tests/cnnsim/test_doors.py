@@ -100,7 +100,7 @@ def test_whole_numbers_0_and_1_are_no_black_and_white(door: str) -> None:
 @pytest.mark.parametrize("door", DOORS)
 @pytest.mark.parametrize("dtype", [np.int8, np.int64])
 def test_the_whole_number_0_alone_is_no_picture(door: str, dtype: Any) -> None:
-    """It would be black as a grey level, white as a truth value, and mid-grey as a CNN value: nobody can tell."""
+    """It would be black as a grey level, white as a truth value, and mid-grey as a CNN value: it is ambiguous."""
     for zeros in (np.zeros((9, 9), dtype), np.zeros((9, 9), dtype).tolist()):
         with pytest.raises(InputError, match=r"the whole number 0 alone.*from_gray\(values\), values > 0, or floats"):
             DOORS[door](zeros)

@@ -15,7 +15,7 @@ from tests.kits.wire import decoded, pair, stream
 
 BYTE, BURST = 1e-4, 1e-3
 ONCE, STREAMS = 4000, 8
-"""Packets that one decoder sees, and how many such streams there are; each is damaged anew every time."""
+"""Packets that one decoder sees, and how many such streams there are; each has its own random damage."""
 
 
 @dataclass
@@ -23,7 +23,7 @@ class Judged:
     """What became of the frames of a format.
 
     ``sent``; ``damaged`` packets that the cable touched; ``right`` frames, as they were sent; ``false`` ones, with
-    values or a number that nobody sent, or out of order; ``lost`` frames; ``said`` of them, by the decoder's count.
+    values or a counter that were not sent, or out of order; ``lost`` frames; ``said`` of them, by the decoder's count.
     """
 
     name: str
@@ -89,7 +89,7 @@ def _identity(one: Reading) -> tuple[bytes, int | None, int | None]:
 def judge(
     name: str, extra: dict[str, Any], packets: int, seed: int = 0, byte: float = BYTE, burst: float = BURST
 ) -> Judged:
-    """Send so many packets of a format over the cable, and judge all frames that come out."""
+    """Send a number of packets of a format over the cable, and judge all decoded frames."""
     rng, found = np.random.default_rng(seed), Judged(name)
     streams = [Stream.of(name, extra, ONCE, seed + n) for n in range(min(STREAMS, -(-packets // ONCE)))]
     for number in range(-(-packets // ONCE)):

@@ -185,7 +185,7 @@ def test_nobody_waits_for_a_pipe(words: str, tmp_path: Path, monkeypatch: pytest
 
     def open_the_other_end() -> None:
         while not done.wait(4):
-            with suppress(OSError):  # nobody is there
+            with suppress(OSError):  # no reader has the pipe open
                 os.close(os.open(name, os.O_WRONLY | os.O_NONBLOCK))
                 waited.append(name)
 

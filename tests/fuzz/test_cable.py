@@ -16,7 +16,7 @@ that keep their length, and of lowiek one or two for a byte that was lost."""
 
 @pytest.mark.parametrize(("name", "extra"), VARIANTS)
 def test_false_frames_over_a_bad_cable(name: str, extra: dict[str, Any]) -> None:
-    # so many that what is allowed of a sum is more than one, which chance may be
+    # enough packets that the checksum allows more than one false frame, as one may be chance
     found = judge(name, extra, 12_000 if name == "papillarray" else 4000, byte=2e-4)
     kind = "csv+check" if extra.get("check") else name
     assert found.damaged > 10

@@ -1,4 +1,4 @@
-"""What the programs of the library have to answer, by other ways: labels, floods, ranks and plain loops.
+"""Expected outputs of the library's programs, by independent methods: labels, floods, ranks and plain loops.
 
 Pictures are boolean arrays, True where black; gray planes are float arrays. Every oracle gives a program's outputs by
 name.

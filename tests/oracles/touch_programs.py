@@ -1,4 +1,4 @@
-"""What the touch programs have to answer: hysteresis by hand, finite differences, votes by loops, queues.
+"""Expected outputs of the touch programs: hysteresis by hand, finite differences, votes by loops, queues.
 
 x points right along the columns, y down along the rows. Planes are float arrays in CNN values.
 """

@@ -1,4 +1,4 @@
-"""An error in one key of a file hides no other: of any two both are reported, each with its line."""
+"""An error in one key of a file hides no other: any two errors are both reported, each with its line."""
 
 import re
 from itertools import combinations
@@ -8,7 +8,7 @@ import pytest
 from cnnsim import InputError
 from tests.kits.good_files import GOOD
 
-MEANT = {  # by kind: lines where the other type has a meaning, or that are told with the line of their table
+MEANT = {  # by kind: lines where the other type has a meaning, or that are reported with the line of their table
     "template": ("A =", "weights ="),  # a matrix of one number
     "program": ("A =", "w =", "input =", "state =", "template =", "to ="),
     "detector": ("copy =", "to ="),

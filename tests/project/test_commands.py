@@ -1,4 +1,4 @@
-"""Every command of README, CONNECT and the commands' own help runs as it stands, where the pages say that it does."""
+"""Every command of README, CONNECT and the commands' own help runs unchanged."""
 
 import os
 import re
@@ -35,7 +35,7 @@ OPTIONAL = {"walk.mp4": "av", "cnnsim devices": "pyopencl", "tactile ports": "se
 
 
 def commands(path: Path) -> list[str]:
-    """Return what a page has typed: the lines of blocks without a language or of the shell's, and of indented ones."""
+    """Return the commands on a page: lines of code blocks without a language or in sh, and of indented blocks."""
     text = path.read_text(encoding="utf-8")
     blocks = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
     lines = [line for kind, block in blocks if kind in ("", "sh") for line in block.splitlines() if line.strip()]
@@ -61,17 +61,17 @@ LINES = list(
 
 
 READING = ("accuracy", "codes", "list", "score")
-"""Commands that leave nothing behind without -o: what a page says of them is not run again for the help."""
+"""Commands that write no files without -o: a line of a page is not run again for the help."""
 
 
 def runs_on_a_page(line: str) -> bool:
-    """Return whether a line of the help stands on a page, too, and no later line of the help needs what it leaves."""
+    """Return whether a line of the help is also on a page, and writes nothing that a later line of the help needs."""
     pages = {line.split(" #")[0].strip() for lines in PAGES.values() for line in lines}
     return line in pages and line.split()[1] in READING and " -o " not in line
 
 
 def wants_port(line: str) -> bool:
-    """Return whether a line needs a board, or what one has recorded."""
+    """Return whether a line needs a board or a recording of one."""
     return line.split()[1] in ("emulate", "live", "record", "replay") or "hand.mcap" in line
 
 
@@ -208,7 +208,7 @@ def test_the_commands_of_a_port_run_on_an_emulated_one(folder: Path, monkeypatch
     assert live
     for line, port in live.items():
         emulate = papillarray if port == "pillars.port" else native
-        if "hand.mcap" in line:  # each writes it anew
+        if "hand.mcap" in line:  # each writes it again
             (folder / "hand.mcap").unlink(missing_ok=True)
         with started(emulate, folder) as device:
             first_word(device, folder)

@@ -1,4 +1,4 @@
-"""The picture and the recording that examples begin with."""
+"""The picture and the recording that the examples read."""
 
 from cnnsim import read_picture
 from tactile.sources import open_source

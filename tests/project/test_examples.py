@@ -17,7 +17,7 @@ STUDIES = {
     "a_locking_element", "how_precise_must_a_chip_be", "parity_by_design", "program_gallery",
     "where_a_strain_sensor_should_sit",
 }  # fmt: skip
-"""Longer ones, and those that only draw."""
+"""Longer examples, and examples that only draw."""
 
 
 def _load(path: Path) -> ModuleType:

@@ -1,4 +1,4 @@
-"""What ``import cnnsim`` offers, that it does what it says, and that it loads nothing heavy."""
+"""The names of ``import cnnsim``: each exists and works, and the import loads no slow library."""
 
 import ast
 import pkgutil

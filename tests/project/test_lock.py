@@ -1,4 +1,4 @@
-"""What `make` installs is locked: every file by its hash, the versions those of constraints.txt, nothing left out."""
+"""All that `make` installs is locked: every file by its hash, with the versions of constraints.txt."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""The packages run as modules, and say their version."""
+"""The packages run as modules and print their version."""
 
 import subprocess
 import sys

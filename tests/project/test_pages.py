@@ -1,4 +1,4 @@
-"""The pages tell of files, commands and code that are there."""
+"""Files, commands and code that the pages name exist."""
 
 import re
 import shlex
@@ -65,7 +65,7 @@ def test_paths_that_a_page_names_are_there(page: Path) -> None:
 
 
 def _is_there(name: str) -> bool:
-    """Return whether a dotted name leads to a module, or to something in one."""
+    """Return whether a dotted name is a module or an attribute of one."""
     parts = name.split(".")
     modules = (count for count in range(len(parts), 0, -1) if _is_module(ROOT.joinpath(*parts[:count])))
     found: Any = import_module(".".join(parts[: (count := next(modules))]))

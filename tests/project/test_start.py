@@ -1,4 +1,4 @@
-"""Ctrl-C while a command is still importing: one line and exit code 130, wherever it is hit."""
+"""Ctrl-C while a command is still importing: one line and exit code 130, at any point of the import."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""templates/README.md says all that template and program files can hold, no more, and its examples run."""
+"""templates/README.md describes all keys of template and program files, no others, and its examples run."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""The wheel carries all it needs: built, installed into an empty environment, it runs a template from elsewhere."""
+"""The wheel is complete: installed into an empty environment, it runs a template in another folder."""
 
 import os
 import subprocess
@@ -9,7 +9,7 @@ from pathlib import Path
 from tests.kits.paths import ROOT
 
 _OURS = {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
-"""What would lead out of the empty environment, and what would have its libraries compiled anew in every process."""
+"""Variables that lead out of the empty environment, or make every process compile its libraries again."""
 
 
 def _call(*command: str | Path, cwd: Path) -> "subprocess.CompletedProcess[str]":

@@ -73,7 +73,7 @@ class OneByOne:
 
 @pytest.mark.parametrize("factor", ["1", "many"])
 def test_steps_at_one_go_are_the_steps_one_by_one(backend: Backend, tmp_path: Path, factor: str) -> None:
-    """Bit for bit, over several frames; what a register of 64 bits cannot hold is told alike."""
+    """Bit for bit, over several frames; a number beyond 64 bits gives the same error."""
     program = load(tmp_path, STRAIGHT.replace("SQUARED", '"many"' if factor == "many" else factor))
     rng = np.random.default_rng(5)
     whole, steps = UniversalMachine(backend), UniversalMachine(OneByOne(backend))

@@ -81,7 +81,7 @@ def test_closed_forms_meet_every_time(backend: Backend) -> None:
 @pytest.mark.parametrize("slope", [0.5, 1.0, 3.0])
 @pytest.mark.parametrize("kind", ["clip", "tanh"])
 def test_discrete_time_is_recorded_as_it_runs(backend: Backend, kind: Any, slope: float) -> None:
-    """An output is the next step's start as it is: a characteristic that would change it is not applied anew."""
+    """The next step starts from the output itself: the characteristic is not applied to it a second time."""
     f, rule = Characteristic(kind, slope), np.array([[0.1, -0.3, 0.2], [0.4, 0.5, -0.2], [0, 0.3, 0.1]])
     start = np.random.default_rng(5).uniform(-1, 1, (9, 12))
     kept = run_transient(

@@ -1,4 +1,4 @@
-"""The verb for transients, on terms: random networks of all kinds, and tables at and beside their places."""
+"""The verb for transients, on terms: random networks of all kinds, and tables at their places and next to them."""
 
 from collections.abc import Callable
 from typing import Any

@@ -104,7 +104,7 @@ def test_launches_are_of_equal_length_and_tiles_of_bounded_work() -> None:
 
 @pytest.mark.parametrize("limit", [32 * 1024, 512 * 1024, 1024 * 1024])
 def test_tiles_fit_into_the_local_memory_there_is(limit: int) -> None:
-    """A device that is given more than it has writes over whatever lies behind."""
+    """A kernel with more local memory than the device has would overwrite other memory."""
     context: Any = SimpleNamespace(
         family="cpu", lanes=16, dtype=np.dtype("float64"), cores=2, device=SimpleNamespace(local_mem_size=limit)
     )
@@ -126,7 +126,7 @@ def test_by_name_and_by_way_of_run_transient() -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_stages_have_the_bits_of_the_reference(family: Family) -> None:
-    """In float64, of free cells and of those that a mask holds, at the rim and inside."""
+    """In float64, in free and masked cells, at the rim and inside."""
     backend, reference = OpenCLBackend("float64", family=family), get("reference")
     rng = np.random.default_rng(5)
     x, mask = rng.uniform(-1, 1, (23, 66)), rng.random((23, 66)) - 0.7

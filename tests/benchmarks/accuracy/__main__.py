@@ -11,12 +11,12 @@ from tests.benchmarks.accuracy.section import Section
 
 
 def main() -> None:
-    """Measure all sections; a new one is a module beside `transients`, called here."""
+    """Measure all sections; a new section is a module in this folder, called here."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=Path("docs"), help="where accuracy.md goes")
     parser.add_argument("--cases", type=int, default=400, help="random cases on which accuracy= is tried")
     parser.add_argument("--scenes", type=int, default=300, help='random scenes on which effects = "auto" is tried')
-    parser.add_argument("--only", nargs="+", help="measure these sections anew; the others stay as they are")
+    parser.add_argument("--only", nargs="+", help="measure only these sections; the others are kept")
     given = parser.parse_args()
     os.environ.setdefault("CNNSIM_POCL_PROCESSOR", "auto")  # without it PoCL may build nothing
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait are counted as work

@@ -32,7 +32,7 @@ FRESH = 515_000
 
 
 def section(cases: int) -> Section:
-    """Measure the example scenes, and so many random ones."""
+    """Measure the example scenes and ``cases`` random scenes."""
     found: dict[str, list[Trade]] = {}
     parts: dict[str, list[Part]] = {}
     for name in watched(NAMES, "effects", len(NAMES)):
@@ -126,7 +126,7 @@ of all effects, in alternating runs.
 
 
 def _row(frames: int, tries: list[dict[str, float]]) -> str:
-    """The choices of scenes with so many frames."""
+    """The row of the choices for scenes with ``frames`` frames."""
     of = {key: np.array([one[key] for one in tries]) for key in tries[0]}
     wrong = of["error"] > 0
     loose = f"{np.median(of['bound'][wrong] / of['error'][wrong]):.1f}" if wrong.any() else "-"

@@ -69,7 +69,7 @@ def _ratio(row: dict[str, Any]) -> float:
 
 
 def _rows(names: list[str]) -> Iterator[dict[str, Any]]:
-    """Yield the signs and times of each template; those that refuse an accuracy are left out."""
+    """Yield the signs and times of each template; templates that refuse an accuracy are skipped."""
     for name in names:
         entry = library.load(name)
         example, times = large(entry.examples[0], SIDE), []

@@ -61,7 +61,7 @@ def _frames(side: int) -> tuple[TaxelArray, list[Frame]]:
 
 
 def _stages(array: TaxelArray, frames: list[Frame], asked: str) -> list[float]:
-    """Seconds of every frame, the best of some runs; a load that nobody asks for is none."""
+    """Seconds of every frame, the best of some runs; without loads, no load is located."""
     settings = Settings(programs=(PROGRAM,) if asked == ASKED[3] else ())
     pipeline.run(FrameStream("warm", (array,), 2.4e6, len(frames), frames), settings, ())
     return np.min([_once(array, frames, asked, settings) for _ in range(ROUNDS)], axis=0).tolist()

@@ -68,7 +68,9 @@ def _draw(figure: Any, found: dict[str, list[PrecisionRow]]) -> None:
         left.set_ylim(1e-15, 30)
         right.set_ylim(1e-15, 30)
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, fontsize=8, ncols=4, loc="outside upper center")  # beside the curves, not over them
+    figure.legend(
+        handles, labels, fontsize=8, ncols=4, loc="outside upper center"
+    )  # outside the axes, not over the curves
 
 
 _SCHEMES = ("euler", "exponential-euler", "heun", "rk4")

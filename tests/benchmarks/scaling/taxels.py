@@ -26,7 +26,7 @@ def frame_of(array: TaxelArray, loads: Floats, noise: float, random: np.random.G
 
 
 def random_loads(array: TaxelArray, count: int, apart: float, random: np.random.Generator) -> Floats:
-    """Return pressing loads on the inner part of an array, at least so many depths from each other."""
+    """Return pressing loads on the inner part of an array, with a least distance in depths."""
     half = max(0.5 * array.pitch, array.pitch * (array.cols - 1) / 2 - array.depth)
     places: list[Floats] = []
     for _ in range(10_000):

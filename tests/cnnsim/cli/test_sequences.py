@@ -1,4 +1,4 @@
-"""Sequences of pictures through the commands: every picture, in order, from whatever they come."""
+"""Sequences of pictures through the commands: every picture, in order, from every kind of source."""
 
 import json
 from pathlib import Path
@@ -21,7 +21,7 @@ def call(*arguments: Any) -> Result:
 
 
 def moving_bar(count: int = 12) -> np.ndarray:
-    """A bar that moves by a column a picture, with its number beside it so that no two pictures are alike."""
+    """A bar that moves by a column a picture; the picture's number makes all pictures different."""
     pictures = np.full((count, 20, 24), -1.0)
     for number, picture in enumerate(pictures):
         picture[3:12, number : number + 4] = 1.0

@@ -80,7 +80,7 @@ def _integrated(x: float, s: float, a: float, t: float) -> float:
     def kink(_t: float, y: np.ndarray) -> float:
         return float(abs(y[0]) - 1)
 
-    kink.terminal = True  # type: ignore[attr-defined]  # this is how scipy wants to be told
+    kink.terminal = True  # type: ignore[attr-defined]  # scipy's interface for a terminal event
     now = 0.0
     while now < t:
         piece = np.clip(x + 1e-9 * np.sign(-x + a * np.clip(x, -1, 1) + s), -1e9, 1e9)

@@ -91,7 +91,7 @@ def test_a_mode_that_hardly_decays_does_not_forbid_a_short_run() -> None:
 
 
 def test_a_mode_that_stands_still_limits_nothing() -> None:
-    """Modes of +-1e-9 i beside the saturated cells' -1."""
+    """Modes of +-1e-9 i, and the mode -1 of the saturated cells."""
     assert limit_of(np.array([-1e-9 + 1e-9j, -1.0]), "settled", EULER) == pytest.approx(2.0)
 
 

@@ -162,7 +162,7 @@ def test_the_key_of_a_robustness_plot_lies_beside_its_curves() -> None:
     (key,) = figure.legends
     texts = [text.get_text() for text in key.get_texts()]
     assert "mean" in texts
-    assert "errors up to 0.12 % are harmless" in texts  # beside its line it was cut off at the left
+    assert "errors up to 0.12 % are harmless" in texts  # next to its line it was cut off at the left
     around = key.get_window_extent()
     for axes in figure.axes:
         assert not around.overlaps(axes.get_tightbbox())

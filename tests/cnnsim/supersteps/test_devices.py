@@ -1,4 +1,4 @@
-"""Workers with an OpenCL device each: PoCL shows as many as it is told to."""
+"""Workers with an OpenCL device each: PoCL can be configured to show several devices."""
 
 import json
 import os
@@ -51,7 +51,7 @@ def test_a_device_that_the_environment_names_is_everybodys(monkeypatch: pytest.M
 def test_more_processes_than_devices_take_turns_and_leave_theirs_when_they_die(tmp_path: Path) -> None:
     pytest.importorskip("pyopencl")
     code = "from cnnsim.backends.opencl.device.devices import own_device; print(own_device(), flush=True); input()"
-    environment = ENVIRONMENT | {"XDG_CACHE_HOME": str(tmp_path)}  # nobody else claims devices here
+    environment = ENVIRONMENT | {"XDG_CACHE_HOME": str(tmp_path)}  # no other process claims devices here
     started: list[subprocess.Popen[str]] = []
 
     def start() -> str:

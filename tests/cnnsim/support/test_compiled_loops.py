@@ -88,11 +88,11 @@ def test_a_folder_that_others_can_write_is_left_in_silence_for_one_of_the_users_
 
 @pytest.mark.parametrize(("mode", "private"), [(0o700, True), (0o755, True), (0o775, False), (0o757, False)])
 def test_a_private_folder_is_one_that_nobody_else_writes(mode: int, private: bool, tmp_path: Path) -> None:
-    beside, own = tmp_path / "__pycache__", tmp_path / "cache"
-    beside.mkdir()
-    beside.chmod(mode)
-    assert is_private(beside) is private
-    assert first_usable([beside, own], "compiled loops") == (beside if private else own)
+    local, own = tmp_path / "__pycache__", tmp_path / "cache"
+    local.mkdir()
+    local.chmod(mode)
+    assert is_private(local) is private
+    assert first_usable([local, own], "compiled loops") == (local if private else own)
     assert private or own.stat().st_mode & 0o777 == 0o700
 
 

@@ -1,4 +1,4 @@
-"""Ctrl-C while something is compiled: heard, nothing half done, and the second ends a command at once."""
+"""Ctrl-C during a compilation: it is handled, the function is complete, and a second one ends a command at once."""
 
 import os
 import subprocess

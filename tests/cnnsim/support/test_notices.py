@@ -37,7 +37,9 @@ def test_a_terminal_shows_where_the_loops_are_kept_and_a_pipe_of_json_nothing(tm
     assert again.stdout == ran.stdout
     (kept,) = (tmp_path / "cache").glob("*.closed_form-*.nbc")
     kept.unlink()
-    piped = subprocess.run(command, env=where, capture_output=True, check=True)  # compiles one anew, into pipes
+    piped = subprocess.run(
+        command, env=where, capture_output=True, check=True
+    )  # compiles a loop again, with pipes as outputs
     assert piped.stderr == b""
     kept.unlink()
     plain = subprocess.run(command[:-1], env=where, capture_output=True, check=True)

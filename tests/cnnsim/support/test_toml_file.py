@@ -1,4 +1,4 @@
-"""Numbers and files that TOML allows and nobody can use."""
+"""Numbers and files that are valid TOML but not usable."""
 
 import pytest
 

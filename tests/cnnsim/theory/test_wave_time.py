@@ -162,7 +162,7 @@ def test_speeds_of_planar_fronts(name: str, promised: float, measured: float) ->
 
 @pytest.mark.parametrize("boundary", [ZERO_FLUX, PERIODIC, fixed(-1), fixed(0.3)])
 def test_random_one_way_templates(boundary: Any) -> None:
-    """Templates nobody has chosen: whenever a time is promised, it is kept."""
+    """Random templates: if a time is guaranteed, the transient keeps it."""
     rng, promised = np.random.default_rng(8), 0
     for _ in range(60):
         a = rng.uniform(0, 1.0, (3, 3)) * (rng.random((3, 3)) < 0.6)

@@ -1,4 +1,4 @@
-"""The half-space under a point load, from its displacements: the product's closed forms are held to it.
+"""The half-space under a point load, from its displacements: the reference for the closed forms.
 
 Displacements: K. L. Johnson, Contact Mechanics (1985), eqs (3.18) and (3.75), for any Poisson's ratio. Their
 gradient is taken by the complex step, which has no truncation error to speak of; stresses follow from

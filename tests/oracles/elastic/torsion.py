@@ -1,4 +1,4 @@
-"""A circle that sticks to a bonded layer and is turned: its traction by energy, in polynomials, and what it strains.
+"""A circle that sticks to a bonded layer and is turned: its traction by an energy method, and the strains under it.
 
 Thickness and shear modulus are 1. The traction is a sum of r P_n(r^2) / sqrt(a^2 - r^2), whose transforms are spherical
 Bessel functions; its energy is least for the given turn. No integral equation, no line weights.

@@ -83,7 +83,7 @@ def test_a_matrix_larger_than_its_neighbourhood_counts_and_is_reported() -> None
     [
         ("0.0 0 0 0.5", [0.0, 0.0, 0.5]),
         ("0 0 0.0 0.5", [0.0, 0.0, 0.5]),
-        ("0 0  0 0.5", None),  # without any point nobody knows
+        ("0 0  0 0.5", None),  # without a decimal point it is ambiguous
         ("0.0 1 0 0.5", None),  # 1.0, or two entries
         ("0.0 0\t0 0.5", None),
         ("0.0 0 0", [0.0, 0.0, 0.0]),  # of the right length as it is

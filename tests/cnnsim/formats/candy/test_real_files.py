@@ -53,7 +53,7 @@ def test_what_was_read_from_any_text_is_written_and_read_the_same(text: str) -> 
 
 REAL = DATA / "tem"
 
-needs_real = pytest.mark.skipif(not REAL.is_dir(), reason="the real .tem files are not beside this source tree")
+needs_real = pytest.mark.skipif(not REAL.is_dir(), reason="the real .tem files are not next to this source tree")
 
 TWINS = {
     "AVERAGE": "averaging-threshold", "CCDMASKL": "masked-connected-components-right",
