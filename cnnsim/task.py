@@ -107,7 +107,7 @@ class Task:
     def states(self, backend: Backend, until: float, frames: int, *, first: int = 0) -> Iterator[tuple[float, Array]]:
         """Yield (t, x) at ``frames`` evenly spaced times up to ``until``; with terms after ``first`` steps or more.
 
-        With an accuracy each state is solved by itself.
+        With an accuracy each state is solved separately.
         """
         old, x = self.plan, self.state
         if self.accuracy is not None:

@@ -35,9 +35,9 @@ def get(
             raise InputError(f"backend {name!r}; known are {', '.join(NAMES)}; did you mean 'opencl'?")
         raise not_known("backend", name, NAMES)
     if device is not None and name != "opencl":
-        raise InputError(f"device {device!r} for the {name} backend; only the opencl backend has a choice of devices")
+        raise InputError(f"device {device!r} for the {name} backend; only the opencl backend takes a device")
     if threads is not None and name != "cpu":
-        raise InputError(f"threads {threads!r} for the {name} backend; only the cpu backend has a choice of threads")
+        raise InputError(f"threads {threads!r} for the {name} backend; only the cpu backend takes threads")
     try:
         backend = import_module(f"cnnsim.backends.{name}.backend").BACKEND  # only the one that is used
     except ModuleNotFoundError as error:
@@ -61,9 +61,7 @@ def chosen(backend: str | Backend, dtype: DTypeLike | None = None, threads: int 
         raise InputError(f"backend {backend!r}; one of {', '.join(NAMES)}, or a backend, wanted")
     if threads is not None or (dtype is not None and parse_dtype(dtype) != backend.dtype):
         given = f"dtype {dtype!r}" if threads is None else f"threads {threads!r}"
-        raise InputError(
-            f"{given} with a backend of {backend.dtype} that is made already; its name, or neither, wanted"
-        )
+        raise InputError(f"{given} with an existing backend of {backend.dtype}; a backend's name, or neither, wanted")
     return backend
 
 

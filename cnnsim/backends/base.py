@@ -130,9 +130,9 @@ class Check(NamedTuple):
 def check_area(
     backend: Backend, plan: Plan, planes: tuple[Plane, Plane | None, Plane | None, Plane | None], area: Area
 ) -> Check:
-    """Check the cells of an area that the mask leaves free; ``planes`` are state, input, bias and mask.
+    """Check the cells of an area that are not masked; ``planes`` are state, input, bias and mask.
 
-    Not of discrete time, where the outputs of two steps are compared.
+    Not for discrete time, where the outputs of two steps are compared.
     """
     x, u, bias, mask = planes
     held = np.ones(x.shape, bool)
@@ -157,10 +157,10 @@ class Stepper(Protocol):
         return
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """Check the state before this step; only the ``last`` check must measure the rate of a network that moves."""
+        """Check the state before this step; if it has not settled, only the ``last`` check must give the full rate."""
 
     def advance(self, step: int, count: int) -> None:
-        """Take ``count`` steps, the first of them number ``step``."""
+        """Take ``count`` steps; ``step`` is the number of the first."""
 
     def wait(self) -> None:
         """Wait until all steps are done; nothing to do where `advance` does."""

@@ -1,4 +1,4 @@
-"""The command ``cnnsim devices``: which OpenCL devices there are, and which one would compute."""
+"""The command ``cnnsim devices``: the list of OpenCL devices, and the one chosen by default."""
 
 from dataclasses import asdict
 

@@ -36,9 +36,9 @@ def sources() -> dict[str, Path]:
 def write_examples(folder: Path, replace: bool) -> None:
     """Write example scripts, scenes and pages into FOLDER.
 
-    Also the pictures and the recording that they use.
+    The pictures and the recording that they use are written, too.
 
-    The commands of README.md run there as they stand: `cd FOLDER` and type them.
+    The commands of README.md run in FOLDER without changes.
     """
     files = sources()
     there = sum((folder / name).exists() for name in files)

@@ -136,7 +136,7 @@ def _matrix(matrix: Floats) -> list[str]:
 
 
 def _beside(blocks: dict[str, list[str]]) -> str:
-    """Return blocks of lines with titles side by side, or below each other on a narrow terminal."""
+    """Return titled blocks of lines side by side, or below each other on a narrow terminal."""
     wide = sum(max(len(title), *map(len, block)) + 3 for title, block in blocks.items()) - 3
     if len(blocks) > 1 and wide > get_terminal_size().columns:
         return "\n".join(_beside({title: block}) for title, block in blocks.items())

@@ -63,7 +63,7 @@ def compare(imported: Imported, entry: LibraryEntry) -> Iterator[str]:
 
 
 def _from_numbers(imported: Imported, verified: bool) -> Iterator[str]:
-    """Yield warnings from the numbers alone; of the boundary only if no verified template has one."""
+    """Yield warnings that follow from the numbers; a warning about the boundary only if ``verified`` is false."""
     template = imported.network
     if isinstance(template, Template) and template.linear and template.uncoupled and template.control_taps:
         a, reach = template.self_feedback, float(np.abs(template.B).sum())

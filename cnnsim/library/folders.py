@@ -76,7 +76,7 @@ def add(*paths: str | Path) -> None:
     global _own
     for path in map(Path, paths):
         if not path.is_dir():
-            raise InputError(f"library {path}: a folder of template files wanted, and there is none")
+            raise InputError(f"library {path} does not exist; a folder of template files wanted")
         place = path.resolve()
         _own = (*(other for other in _own if other != place), place)
 

@@ -65,7 +65,7 @@ def _fields(data: Table, stem: str, errors: ErrorList) -> dict[str, Any]:
 
 
 def _check_whole(data: Table, entry: LibraryEntry) -> None:
-    """Check keys against one another."""
+    """Check combinations of keys."""
     template, roles = entry.network, entry.initial_state
     if template.reads_input and entry.input == "none":
         raise InputError(f"B is not zero, or a term reads u, but input is 'none'{line_of(data, 'input')}")

@@ -59,7 +59,7 @@ def _jacobian(network: LayeredTemplate, output: Characteristic, shape: tuple[int
 
 
 def _parts(term: Term, own: int, shape: tuple[int, int]) -> Iterator[tuple[str, int, Floats]]:
-    """Yield quantity, layer and weights that a term reads: the neighbours, and minus the centre of a difference."""
+    """Yield (quantity, layer, matrix) of the values that a term reads: neighbours, and the centre of a difference."""
     matrix = coupling(term.weights, shape, fixed(0))
     yield term.of.neighbour, own if term.layer is None else term.layer, matrix
     if term.of.centre is not None:

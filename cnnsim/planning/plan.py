@@ -155,9 +155,7 @@ def make_plan(
         raise InputError(f"limit {limit!r}; a number of time constants >= 0 wanted")
     without = (without,) if isinstance(without, str) else without
     if not isinstance(without, Collection):
-        raise InputError(
-            f"without {without!r}; names of what can be switched off wanted: {', '.join(get_args(Saving))}"
-        )
+        raise InputError(f"without {without!r}; names of savings wanted: {', '.join(get_args(Saving))}")
     for name in without:
         if name not in get_args(Saving):
             raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")

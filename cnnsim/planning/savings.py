@@ -1,4 +1,4 @@
-"""Savings: computations that can be left out for the same output, and which apply to a stepped transient."""
+"""Savings: computations that can be omitted without a change of the output; which of them apply to a transient."""
 
 import math
 from collections.abc import Iterable

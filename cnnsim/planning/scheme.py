@@ -69,10 +69,10 @@ class Scheme:
         return float(size[np.argmin(bounded) - 1])
 
     def gain_limit(self, modes: Array) -> float:
-        """Return the gain from which one of some decaying, oscillating modes grows: where |R(g mode)| > 1.
+        """Return the least gain g at which one of the decaying, oscillating modes grows: |R(g mode)| > 1.
 
-        The place at which a ray leaves the region |R(z)| <= 1 depends on its angle alone. A table of angles finds the
-        modes with the smallest gains, for which the place is then computed.
+        The distance at which a ray leaves the region |R(z)| <= 1 depends only on its angle. A table over the angle
+        selects the modes with the smallest gains; for these the distance is computed.
         """
         angles, sizes = self._rays
         first = np.argsort(np.interp(np.angle(modes), angles, sizes) / np.abs(modes))[:8]

@@ -99,12 +99,12 @@ def limit_of(modes: Modes, duration: Duration, scheme: Scheme) -> float:
 
 
 def fastest_turning(modes: Modes, duration: Duration, step: float, *, grey: bool = False) -> float:
-    """Return the |omega| of the fastest oscillating mode that Euler steps do not follow, 0 if there is none.
+    """Return the |omega| of the fastest oscillating mode that Euler steps do not resolve, 0 if there is none.
 
-    Euler steps make such a mode grow too fast, by h omega^2 / 2 a time constant, until the run ends or the mode is e
-    times smaller or larger. A mode that grows by more than `RUSHED` of its frequency saturates before that matters,
-    except from a ``grey`` state: groups of cells are linear then, and the way they saturate depends on the phase. A
-    mode that grows at ``rate`` is late by h omega rate a time constant.
+    Euler steps add h omega^2 / 2 to the growth rate of such a mode. The error accumulates until the run ends or the
+    mode has changed by a factor of e. A mode whose rate is more than `RUSHED` of its frequency saturates before the
+    error matters, except from a ``grey`` state: groups of cells are linear then, and the way they saturate depends on
+    the phase. The phase of a mode that grows at ``rate`` lags by h omega rate a time constant.
     """
     modes = modes[modes.imag != 0]
     omega, rate = np.abs(modes.imag), np.abs(modes.real)

@@ -1,4 +1,4 @@
-"""How a machine computes the steps of its programs, found once for each shape: rules, plans and compiled blocks."""
+"""Cache of a machine for the steps of its programs, by shape: bit rules, plans and compiled basic blocks."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -58,7 +58,7 @@ class BlockCache:
         self.parts(program, program.steps, shape)
 
     def parts(self, program: Program, steps: tuple[Step, ...], shape: tuple[int, ...]) -> list[Part]:
-        """Return the steps, those of a basic block together with its compiled routine."""
+        """Return the steps; the steps of a basic block are one part, with its compiled routine."""
         found = self._found.get((id(steps), shape))
         if found is None:  # kept with the steps, so that their id stays theirs
             parts: list[Part] = [
@@ -80,7 +80,7 @@ class BlockCache:
 
 
 def rule_of(program: Program, step: TemplateStep) -> BitRule | None:
-    """Return the AND or OR of neighbours that a step from LLM to LLM is, or None."""
+    """Return the bit rule of a step from LLM to LLM that is an AND or OR of neighbours, else None."""
     u, x0 = step.input, step.state
     logic = isinstance(u, str) and program.memory[u] == program.memory[step.to] == "llm"
     whole = step.bias is None and step.mask is None and step.duration == "settled" and step.cell == CHUA_YANG

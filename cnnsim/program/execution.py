@@ -65,7 +65,7 @@ class Execution:
         self._blocks, self._backend, self._on_engine = blocks, blocks.backend, on_engine
 
     def run(self, steps: tuple[Step, ...]) -> None:
-        """Run steps in their order: a basic block by its compiled routine, where there is one."""
+        """Run steps in order; a basic block runs as its compiled routine, if it has one."""
         planes, watched_by = self.planes, watcher()
         for compiled, part in self._blocks.parts(self._program, steps, self._shape):
             inside = part.steps if isinstance(part, BasicBlock) else (part,)

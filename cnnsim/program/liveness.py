@@ -55,7 +55,7 @@ def names_of(step: Step) -> set[str]:
 
 
 def used_last(program: Program) -> dict[Step, set[str]]:
-    """Return for the steps of a program, without those inside them, the planes that are not needed after them."""
+    """Return the planes that are not needed after each top-level step of a program."""
     needed, found = {*program.outputs, *program.keep}, dict[Step, set[str]]()
     for step in reversed(program.steps):
         found[step] = {name for name in names_of(step) if name not in needed and program.memory[name] != "wire"}

@@ -91,7 +91,7 @@ class LogicStep:
 
 @dataclass(frozen=True, eq=False)
 class CopyStep:
-    """Copy a plane, converted where the memories differ."""
+    """Copy a plane; it is converted if the memories differ."""
 
     where: str
     source: str
@@ -162,7 +162,7 @@ class RepeatStep:
 
 @dataclass(frozen=True, eq=False)
 class UntilUnchangedStep:
-    """Do some steps until an LLM plane comes out as it went in; ``limit`` rounds without that are an error."""
+    """Repeat steps until a round does not change an LLM plane; more than ``limit`` rounds are an error."""
 
     where: str
     plane: str

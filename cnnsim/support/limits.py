@@ -79,7 +79,7 @@ def one_line(path: Path, what: str) -> Iterator[None]:
 
 
 def reason(said: object) -> str:
-    """Return an exception's message as one line of at most `LINE` characters; its class if the message is empty."""
+    """Return an exception's message as one line of at most `LINE` characters, or its class if it has no message."""
     if isinstance(said, UnicodeDecodeError):  # its own message speaks of bytes and a codec
         line = said.object.count(b"\n", 0, said.start) + 1
         return f"no UTF-8 text (line {line})"

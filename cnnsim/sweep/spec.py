@@ -34,7 +34,7 @@ class Sweep:
         return math.prod(len(values) for values in self.grid.values())
 
     def case(self, number: int) -> dict[str, Any]:
-        """Return what is chosen in case ``number``."""
+        """Return the values of case ``number`` by key."""
         chosen: dict[str, Any] = {}
         for key in reversed(list(self.grid)):
             number, at = divmod(number, len(self.grid[key]))
@@ -77,7 +77,7 @@ def read_sweep(path: Path, kinds: Mapping[str, str]) -> Sweep:
 def _parts(
     table: Mapping[str, Any], kinds: Mapping[str, str], faults: ErrorList
 ) -> tuple[Kind | None, dict[str, tuple[Any, ...]], dict[str, Any]]:
-    """Return the kind, the values of each key of [grid], and those of [fixed]; None for a kind that is not known."""
+    """Return the kind (None if unknown), the list of values of each key of [grid], and the values of [fixed]."""
     kind: Kind | None = None
     if "kind" in table:
         with faults.collecting(), located(table, "kind"):

@@ -1,4 +1,4 @@
-"""Table of a sweep: its rows in one Parquet file, replaced as a whole now and then, from which a sweep resumes."""
+"""Table of a sweep: its rows in one Parquet file, which is rewritten at intervals; a stopped sweep resumes from it."""
 
 import json
 from collections.abc import Iterable, Sequence

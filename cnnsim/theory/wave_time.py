@@ -103,7 +103,7 @@ def _worst(
     template: Template, shape: tuple[int, int], boundary: Boundary, sign: float, pairs: list[Pair], step: float,
     has_mask: bool,
 ) -> Wave:  # fmt: skip
-    """`worst_wave` for one colour of the wave: ``sign`` turns the network so that black spreads."""
+    """`worst_wave` for one colour of the wave; ``sign`` -1 inverts the network, so that black always spreads."""
     a = template.self_feedback
     pairs = [(sign * x0, sign * u) for x0, u in pairs]
     outside = [(sign * y, sign * u) for y, u in boundary.constants]

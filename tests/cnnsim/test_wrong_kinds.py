@@ -15,7 +15,7 @@ ANY: Any = 3
 CASES: dict[str, tuple[Callable[[], Any], str]] = {
     "fraction": (lambda: run("diffusion", PLANE, duration=ANY * Fraction(1, 2)), r"duration Fraction\(3, 2\)"),
     "step": (lambda: run("diffusion", PLANE, step=ANY * Fraction(1, 30)), r"step Fraction\(1, 10\)"),
-    "without": (lambda: run("hole-filler", PLANE, without=ANY), "without 3; names of what can be switched off"),
+    "without": (lambda: run("hole-filler", PLANE, without=ANY), "without 3; names of savings"),
     "backend": (lambda: run("edge", PLANE, backend=ANY), "backend 3; one of reference, cpu, opencl, or a backend"),
     "machine": (lambda: cnnsim.UniversalMachine(ANY), "backend 3; one of reference"),
     "trajectory": (
@@ -26,11 +26,11 @@ CASES: dict[str, tuple[Callable[[], Any], str]] = {
     "template": (lambda: cnnsim.library.load(ANY), "template 3; the name of one of the library"),
     "dtype": (
         lambda: run("edge", PLANE, backend=backends.get("cpu", "float32"), dtype="float64"),
-        "dtype 'float64' with a backend of float32 that is made already",
+        "dtype 'float64' with an existing backend of float32",
     ),
     "threads": (
         lambda: run_program("opening", picture=PLANE, backend=backends.get("cpu"), threads=1),
-        "threads 1 with a backend of float32 that is made already",
+        "threads 1 with an existing backend of float32",
     ),
     "explain": (lambda: cnnsim.explain(ANY), "template 3; a template, a program or the name of one"),
     "picture": (lambda: cnnsim.read_picture(ANY), "path 3; the name of a file"),

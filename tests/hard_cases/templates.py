@@ -91,7 +91,7 @@ def _spiral() -> HardCase:
 
 
 def _long() -> HardCase:
-    """10^6 steps of heat that keeps its mean, in float64; float32 rounds the mean away by its own digits."""
+    """10^6 steps of heat that keeps its mean, in float64; float32 changes the mean by rounding."""
     mean = np.full(START.shape, START.mean())
     return HardCase(
         "10^6 steps", "rounding errors accumulate in the mean, a mode that does not decay",

@@ -111,7 +111,7 @@ LATERAL_INHIBITION[2, 2] = 1.3
 
 
 def coupling(weights: npt.ArrayLike, shape: tuple[int, int], repeat_border: bool) -> Matrix:
-    """The matrix that takes a whole plane to its weighted sums; outside is 0 or the nearest cell repeated."""
+    """The matrix from a plane to its weighted sums; cells outside are 0 or repeat the nearest cell."""
     kernel = np.array(weights, dtype=float)
     cells = np.eye(shape[0] * shape[1]).reshape(-1, *shape)
     sums = [weighted_sum(cell, kernel, None if repeat_border else 0.0).ravel() for cell in cells]
@@ -138,7 +138,7 @@ def anchored_heat(case: Case) -> Plane:
 
 
 def membrane(weights: npt.ArrayLike, repeat_border: bool) -> Callable[[Case], Plane]:
-    """The rest of a linear relaxation 0 = L x + bias in which masked cells keep theirs."""
+    """The steady state 0 = L x + bias of a linear relaxation in which masked cells keep their state."""
 
     def solve(case: Case) -> Plane:
         x = case.start.astype(float).ravel().copy()

@@ -48,7 +48,7 @@ def opening(picture: Picture) -> Answer:
 
 
 def closing(picture: Picture) -> Answer:
-    """Closing on a wide white plane; but what is outside the picture never keeps a cell from being filled."""
+    """Closing on a wide white plane, in which cells outside the picture do not prevent filling."""
     wide = ndimage.grey_closing(picture.astype(int), size=3, mode="constant", cval=0) > 0
     dilated = ndimage.binary_dilation(picture, SQUARE)
     closed = np.array([

@@ -35,7 +35,7 @@ class Task(Enum):
 
 
 class Neighbours(NamedTuple):
-    """What neighbours add to a drive: kernels/<stem>.cl with definitions and arguments, and its sums a cell."""
+    """The neighbours' part of a drive: kernels/<stem>.cl, its definitions and arguments, and its sums a cell."""
 
     stem: str
     defines: Defines

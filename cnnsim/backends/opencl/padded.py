@@ -21,7 +21,7 @@ GPU_CELLS = 4
 class PaddedPlanes:
     """The layout of padded planes (n, layers, rows, cols), and their transfer; ``grid`` counts each layer as a grid.
 
-    ``whole``: a unit of work is a grid with all its layers, so that a launch may take many steps; else a few lines.
+    ``whole``: a unit of work is a grid with all its layers, so a launch can take many steps; otherwise a few rows.
     """
 
     def __init__(self, context: DeviceContext, grid: DeviceGrid, layers: int, radius: int, boundary: Boundary) -> None:

@@ -74,7 +74,7 @@ def _aliases(name: str, stem: str, title: str, several: bool) -> tuple[str, ...]
 
 
 def _note(tem: TemFile) -> str:
-    """Keep the header fields that our files have no key for."""
+    """Return the header fields without a key in template files, as a note."""
     kept = ("Given", "Setting", "Output", "Timing", "CNNModel")
     fields = [(key, tem.header(key).text) for key in kept]
     return " ".join(f"{key}: {text.rstrip('.')}." for key, text in fields if text.strip(" -?.") != "")

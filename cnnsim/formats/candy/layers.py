@@ -60,7 +60,7 @@ class LayerBuilder:
         self.blocks.append(block)
 
     def finish(self, elsewhere: list[FunctionLine]) -> Layer:
-        """Return the layer; functions that only other layers define are taken from there, with a warning."""
+        """Return the layer; functions that only other layers define are taken from these, with a warning."""
         for block in self.blocks:
             for letter in _letters(block):
                 if all(function.letter != letter for function in self.functions):

@@ -58,7 +58,7 @@ def parse_tem(text: str, report: Diagnostics) -> TemFile:
     if not any(layer.blocks or layer.current is not None for part in sections for layer in part.layers):
         report.error(None, "no FEEDBACK, no CONTROL, no CURRENT: this is no template file")
     if loop is not None and str(loop[0]) not in {part.label for part in sections}:
-        report.warning(None, f"LOOP goes back to a LABEL {loop[0]}, and there is none")
+        report.warning(None, f"LOOP goes back to a LABEL {loop[0]}, which is missing")
     return TemFile(tuple(sections), tuple(headers), tuple(comments), loop)
 
 

@@ -43,7 +43,7 @@ def layer_template(layer: Layer, name: str) -> Template:
 
 
 def _plain(block: Block, layer: Layer) -> str:
-    """Return feedback or control for a block whose numbers belong into A or B, else ""."""
+    """Return "feedback" or "control" for a block whose numbers belong to A or B, else ""."""
     own = block.source in (None, layer.number)
     kind = block.operation.removeprefix("nonlin_")
     return kind if own and kind in _READS else ""
@@ -63,12 +63,12 @@ def _sum(matrices: list[Floats]) -> Floats:
 
 
 def _terms(block: Block, layer: Layer) -> Iterator[Term]:
-    """Yield the terms of a block: its numbers, unless they are in A or B, and one a function."""
+    """Yield the terms of a block: one for its numbers, unless they belong to A or B, and one for each function."""
     numbers = _linear_part(block)
     reads = _READS.get(block.operation.split("_")[-1], "")
     source = None if block.source in (None, layer.number) else (block.source or 1) - 1
     if block.operation == "nonlin_d" and numbers.any():
-        raise InputError("a number other than 0 in NONLIN_D: what it means is not known")
+        raise InputError("NONLIN_D has a number other than 0, whose meaning is unknown; functions or 0 wanted")
     if numbers.any() and not _plain(block, layer):
         yield Term(numbers, f"{reads}_kl", delay=block.delay or 0.0, layer=source)
     for call in dict.fromkeys(entry for row in block.rows for entry in row if isinstance(entry, Call)):

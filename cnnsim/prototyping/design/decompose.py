@@ -1,9 +1,10 @@
 """Decompose a rule into templates: one if a threshold exists, else the fewest of four constructions.
 
-* count chain: the rule depends on one weighted count k alone, and changes its colour t times as k grows. One template
-  with the negative of the one before as initial state adds two changes: (t + 1) / 2 templates for odd t.
-* xor: one template that is right on most windows, and a second that is black on just those where it is wrong.
-* or, and: thresholds that are black (white) on parts of the black (white) windows only, until all are covered
+* count chain: the rule depends only on one weighted count k, and changes its colour t times as k grows. Each further
+  template, whose initial state is the negative of the previous output, adds two changes: (t + 1) / 2 templates for
+  odd t.
+* xor: one template that is right on most windows, and a second that is black exactly on the others.
+* or, and: thresholds that are black (white) only on some of the black (white) windows, until all are covered
   (greedy; minimal covers are NP-hard).
 """
 
@@ -19,7 +20,7 @@ from cnnsim.prototyping.design.rule import Signs, WindowRule, window_numbers
 from cnnsim.support import Flags
 
 _TRIES = 12
-"""Random weightings of the windows that are tried for each template of a cover, and for a pair joined by xor."""
+"""Number of random weightings of the windows tried for each template of a cover, and for a pair joined by xor."""
 
 
 def design_rule(rule: WindowRule, norm: Norm = "sum") -> Design:
@@ -32,7 +33,7 @@ def design_rule(rule: WindowRule, norm: Norm = "sum") -> Design:
 
 
 def decompose(rule: WindowRule, certificate: Certificate, norm: Norm = "sum") -> Design:
-    """Return a design of several templates for a rule that has the certificate against a single one."""
+    """Return a design of several templates for a rule; ``certificate`` proves that no single template computes it."""
     found: list[Design] = []
     searches: tuple[Callable[[int], Design | None], ...] = (
         lambda _: count_chain(rule, norm),
@@ -70,7 +71,7 @@ def _xor(rule: WindowRule, norm: Norm) -> Design | None:
 
 
 def _cover(rule: WindowRule, join: Literal["or", "and"], norm: Norm, most: int) -> Design | None:
-    """Cover the black windows by thresholds that are white on all white ones (or the other way round for "and").
+    """Cover the black windows by thresholds that are white on all white windows (for "and" with the colours swapped).
 
     None if more than ``most`` are needed.
     """

@@ -74,7 +74,7 @@ def _pictures(count: int) -> str:
 def final_colour(s: Array, x0: Array, a: float) -> Array:
     """Return the sign of the final output of cells without neighbours: sgn(s + max(a - 1, 0) x0), |x0| <= 1.
 
-    Chua and Yang 1988; on a tie the output is not the colour of anything: 0.
+    A tie gives 0. Source: Chua and Yang 1988.
     """
     return np.sign(s + max(a - 1.0, 0.0) * x0)
 

@@ -141,7 +141,7 @@ def _drawn(values: Array, caption: str) -> Image.Image:
 
 
 def _lettered(image: Image.Image, text: str) -> Image.Image:
-    """Return a picture with a line of text, if any, in a white strip below it."""
+    """Return a picture with an optional line of text in a white strip below it."""
     if not text:
         return image
     width = max(image.width, 8 * len(text))

@@ -77,7 +77,7 @@ def test_a_number_that_cannot_be(wrong: Any) -> None:
 
 
 def test_other_backends_have_no_choice() -> None:
-    with pytest.raises(InputError, match="only the cpu backend has a choice of threads"):
+    with pytest.raises(InputError, match="only the cpu backend takes threads"):
         run("edge", PICTURE, backend="reference", threads=1)
 
 

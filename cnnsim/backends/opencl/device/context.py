@@ -177,7 +177,7 @@ def _context_of(device: cl.Device) -> tuple[cl.Context, cl.CommandQueue, MemoryP
 
 
 def _leave_behind() -> None:
-    """Empty all contexts in a forked child, whose drivers have no threads; nothing they held is ever released."""
+    """Empty all contexts in a forked child, where the drivers have no threads; their objects are never released."""
     for context in _CONTEXTS:
         held = vars(context).copy()
         vars(context).clear()

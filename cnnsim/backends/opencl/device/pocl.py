@@ -24,8 +24,8 @@ def name_processor(device: cl.Device) -> None:
 
     PoCL 3.0 (the newest on PyPI) asks its LLVM 14 for the processor's name. For a younger processor the answer is
     "generic", which LLVM then refuses for x86 ("unknown target CPU 'generic'"), and no option of PoCL sets the name.
-    The string in the device's record is overwritten, which is another library's memory: so only if the variable is
-    set, to a name that LLVM knows or to "auto". Other devices are left as they are.
+    The string in the device's record is overwritten. It is another library's memory, so this is done only if the
+    variable is set, to a name that LLVM knows or to "auto". Other devices are not changed.
 
     Raises:
         InputError: a name that is longer than the old one.
@@ -51,7 +51,7 @@ def name_processor(device: cl.Device) -> None:
 
 
 def remark(device: cl.Device) -> str:
-    """Return what to set for a device for which nothing can be built; empty where nothing is known to help."""
+    """Return a remedy for a device on which no program builds; empty if none is known."""
     if os.environ.get(VARIABLE, "").strip() or not _is_unnamed(device):
         return ""
     return (

@@ -79,7 +79,7 @@ def test_delays_and_layers() -> None:
     ("text", "words"),
     [
         ("FEEDBACK:\n1\nFEEDBACK:\n1\n", "twice in layer 1"),
-        ("NONLIN_D:\nx-u#\n1\n", "what it means is not known"),
+        ("NONLIN_D:\nx-u#\n1\n", "whose meaning is unknown"),
         ("NONLIN_CONTROL:\na-\na 1 2 1 0 1 0\n", "line 3"),
         ("FEEDBACK:\n" + "1 " * 13 + "\n" + ("1 " * 13 + "\n") * 12, "radius 6"),
     ],
