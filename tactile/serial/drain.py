@@ -26,8 +26,8 @@ DATA, GONE, DROPPED = 0, 1, 2
 """Kinds: bytes of the port; failure of the port with its reason; number of dropped bytes, as decimal digits."""
 CAPACITY = 64 * 2**20
 """Buffer size in bytes: more than a minute of a 1000 Hz array of 64 taxels."""
-MOST = 2000
-"""Bytes per read: a connection that is ready takes a record of them without waiting."""
+MOST = 16384
+"""Bytes per record, about: a connection that is ready takes them without waiting."""
 
 
 class Drain:
@@ -102,19 +102,23 @@ class Drain:
             self._close_port(error)
 
     def _read(self) -> None:
+        data, failure = b"", None
         try:
-            data = os.read(self._port, MOST)
+            data = piece = os.read(self._port, MOST)
             if not data:
                 raise OSError("the device is gone")
+            while piece and len(data) < MOST:  # a terminal gives 4 KiB at a time, and nothing when it is empty
+                data += (piece := os.read(self._port, MOST))
         except BlockingIOError:
-            return
+            pass
         except OSError as error:
-            self._close_port(error)
-            return
+            failure = error
         if self._kept + len(data) > CAPACITY:
             self._dropped += len(data)
         else:
             self._keep(DATA, data)
+        if failure is not None:
+            self._close_port(failure)
 
     def _close_port(self, error: OSError) -> None:
         self._events.unregister(self._port)

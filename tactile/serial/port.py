@@ -10,11 +10,12 @@ from cnnsim.support.extras import need
 if TYPE_CHECKING:
     import serial
 
+GONE = "the device behind it is gone: plug it in again"
 CURES = {
     errno.ENOENT: "there is no such port: is the device plugged in? `tactile ports` lists the ports there are",
-    errno.ENODEV: "the device behind it is gone: plug it in again",
-    errno.ENXIO: "the device behind it is gone: plug it in again",
-    errno.EIO: "the device behind it is gone: plug it in again",
+    errno.ENODEV: GONE,
+    errno.ENXIO: GONE,
+    errno.EIO: GONE,
     errno.EACCES: "no permission: add yourself to the group that owns it (often `sudo usermod -aG dialout $USER`,"
     " then log in again)",
     errno.EPERM: "no permission: another program may have it for itself, or the group `dialout` is wanted",

@@ -45,7 +45,7 @@ class PortReader:
         self.why = ""
         self._name, self._baudrate, self._talk = name, baudrate, talk
         self._hand_on, self._ended, self._once = hand_on, ended, once
-        self._stop, self._wake = threading.Event(), threading.Event()
+        self._stop = threading.Event()
         self._turn, self._attached = threading.Lock(), False
         self._failed: OSError | None = None
         self._drained = Drained() if CAN_DRAIN else None
@@ -70,7 +70,6 @@ class PortReader:
     def close(self) -> None:
         """Stop reading and close the port; bytes received so far are forwarded."""
         self._stop.set()
-        self._wake.set()
         if self._thread.ident is None:  # never started
             self._port.close()
             self._let_drain_end()
@@ -82,7 +81,7 @@ class PortReader:
         if not self._turn.acquire(blocking=False):
             return False
         try:
-            return self._attached and self._take(timeout)
+            return self._attached and self._failed is None and self._take(timeout)
         finally:
             self._turn.release()
 
@@ -127,11 +126,9 @@ class PortReader:
         self._drained.read(self._port, self._talk)
         self._failed, self._attached = None, True
         try:
-            while not self._stop.is_set() and self._failed is None:
-                self._wake.wait(TURN)
+            while self._failed is None and not self._stop.wait(TURN):
                 self.poll(0)
         finally:
-            self._wake.clear()
             with self._turn:
                 self._attached = False
         if self._failed is None:
@@ -152,9 +149,6 @@ class PortReader:
             self._failed = OSError(gone[0].decode())
         elif self._drained.over and not self._stop.is_set():
             self._failed = OSError("the process that reads the port has ended")
-        if self._failed is not None:
-            self._attached = False
-            self._wake.set()
         return True
 
     def _read_here(self) -> None:
