@@ -56,7 +56,7 @@ class Trajectory:
         return self.x[..., row, col]
 
     def plot(self, axes: "Axes | None" = None, *, cells: Sequence[CellIndex] | None = None) -> "Axes":
-        """Draw the states of cells over time and return the axes; of whole planes without ``cells`` a row of pictures.
+        """Draw the states of cells over time, or planes without ``cells`` as a row of pictures; return the axes.
 
         Arguments: ``axes`` of matplotlib, None for new ones; ``cells`` (row, column), of the recorded ones.
 

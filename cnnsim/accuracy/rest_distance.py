@@ -43,7 +43,7 @@ class Ending(NamedTuple):
 
 @dataclass(frozen=True)
 class SettledState:
-    """A plan whose network has a small rate, and what is needed to find its distance from the rest.
+    """A plan whose network has a small rate, with the data to find its distance from the rest.
 
     ``drive`` is w = B*u + z + bias of a linear template, None for others; ``run`` continues the transient.
     """

@@ -22,7 +22,7 @@ _NEAR_THE_LIMIT = 0.75
 _NEAR = 2e-6
 """Distance to the rest at which signs of small outputs are decided."""
 _PERTURBATION = 100
-"""Roundings by which the start of the first run is changed, so that cells which they decide come out differently."""
+"""Roundings by which the start of the first run is changed, so that cells which they decide end differently."""
 
 
 def to_rest(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> Solution:

@@ -25,7 +25,7 @@ from cnnsim.support.terminal import echo, say
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder.")
 @click.option("--format", "kind", type=click.Choice(list(READERS)), help="Format, where the suffix does not tell.")
 @click.option("--replace", is_flag=True, help="Write over template files that are there already.")
-@click.option("--notes", is_flag=True, help="Also print what is harmless: stray bytes, a missing CURRENT, ...")
+@click.option("--notes", is_flag=True, help="Also print harmless findings: stray bytes, a missing CURRENT, ...")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
 @click.pass_context
 def import_(

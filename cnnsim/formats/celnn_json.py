@@ -19,7 +19,7 @@ _TURNED = "The sign of z is turned: black is -1 in celnn and +1 here."
 
 
 def read_celnn(data: bytes, report: Diagnostics) -> list[Imported]:
-    """Return the templates of a file; one that is wrong is an error and left out."""
+    """Return the templates of a file; a wrong template is reported as an error and omitted."""
     try:
         content = json.loads(data, parse_constant=_no_constant)
     except (ValueError, RecursionError) as error:

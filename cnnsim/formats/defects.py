@@ -35,7 +35,7 @@ def counterpart(template: AnyTemplate, source_name: str, system: str) -> Library
 
 @cache
 def _shipped() -> tuple[LibraryEntry, ...]:
-    """Return our own templates; what is in a user's folders has no say here."""
+    """Return the shipped templates, without those in users' folders."""
     return tuple(library.load_file(path) for path in sorted(library.folder().glob("*.toml")))
 
 

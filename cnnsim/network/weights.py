@@ -53,7 +53,7 @@ def checked_weights(owner: str, which: str, entries: ArrayLike, *, varying: bool
 
 
 def _ragged(entries: object) -> str:
-    """Return a text about the first row of another length than row 1; empty if there is none."""
+    """Return a text about the first row whose length differs from row 1; empty if all are equal."""
     if not isinstance(entries, list | tuple) or not all(isinstance(row, list | tuple) for row in entries):
         return ""
     others = [number for number, row in enumerate(entries, start=1) if len(row) != len(entries[0])]

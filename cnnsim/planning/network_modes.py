@@ -35,7 +35,7 @@ def step_bound(network: LayeredTemplate, output: Characteristic, duration: Durat
 def network_modes(network: LayeredTemplate, output: Characteristic) -> Modes:
     """Return the modes on small grids with all cells in one piece.
 
-    Delayed terms and products of two arguments are left out: they are not linear in the present state.
+    Delayed terms and products of two arguments are omitted: they are not linear in the present state.
     """
     layers = len(network.layers)
     shapes = [shape for shape in _SHAPES if layers * shape[0] * shape[1] <= _MOST_CELLS] or [(1, 1)]

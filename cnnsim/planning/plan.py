@@ -158,7 +158,9 @@ def make_plan(
         raise InputError(f"without {without!r}; names of savings wanted: {', '.join(get_args(Saving))}")
     for name in without:
         if name not in get_args(Saving):
-            raise InputError(f"cannot do without {name!r}; what can be switched off is {', '.join(get_args(Saving))}")
+            raise InputError(
+                f"without {name!r}, which is no saving; names of savings wanted: {', '.join(get_args(Saving))}"
+            )
     first = network.layers[0]
     decisions = [_control_decision(first)]
 

@@ -66,7 +66,7 @@ def _on_grids(entries: bytes, side: int, boundary: Boundary) -> Modes:
 
 
 def coupling(A: Floats, shape: tuple[int, int], boundary: Boundary) -> Floats:
-    """Return the matrix (cells, cells) of A on a grid, whose virtual cells follow the boundary, constants left out."""
+    """Return the matrix (cells, cells) of A on a grid with its boundary; constant virtual cells are omitted."""
     cells = shape[0] * shape[1]
     each = np.eye(cells).reshape(-1, *shape)
     return correlate(each, taps_of(A), boundary, 0.0, np.zeros_like(each)).reshape(cells, cells).T

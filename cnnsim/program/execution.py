@@ -170,7 +170,7 @@ def _number(step: NumberStep, p: Any, q: Any) -> Any:
 def _accurate(backend: Backend, plan: Plan, tolerance: Tolerance, *planes: Plane | None) -> Plane:
     """Run a transient of state, input, bias and mask to an accuracy, in float64 where needed; return its state.
 
-    It goes back into memories in the machine's own numbers; where those keep less than the accuracy, a notice says so.
+    It is stored in the machine's own dtype; if that is less precise than the accuracy, a notice is given.
     """
     read = [None if plane is None else backend.read(plane) for plane in planes]
     x, u, bias = (None if plane is None else plane.astype(np.float64) for plane in read[:3])

@@ -50,7 +50,7 @@ def parameters_meant(program: Program, names: Iterable[str]) -> list[str]:
 def check_values(program: Program, inputs: Mapping[str, ArrayLike], *, stored: bool = False) -> None:
     """Refuse inputs for which a single run would give wrong results; `UniversalMachine.run` checks less, to be fast.
 
-    Logic planes beyond [-1, 1] are warned of. ``stored``: planes on the disk are looked at where they are read.
+    Logic planes beyond [-1, 1] give a warning. ``stored``: planes on the disk are checked when they are read.
 
     Raises:
         InputError: an input that is not finite, or colours; several pictures where the program keeps planes from

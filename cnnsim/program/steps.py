@@ -30,7 +30,7 @@ from cnnsim.support.toml_file import located
 def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
     """Turn a list of tables into steps; ``prefix`` leads their numbers in messages.
 
-    What is wrong with a step, led by its number and kind, goes to the faults of ``names``; it is then left out.
+    Errors of a step, with its number and kind, are added to the faults of ``names``; a wrong step is omitted.
 
     Raises:
         InputError: no list of tables, or too many.
@@ -51,7 +51,7 @@ def read_steps(tables: Any, prefix: str, names: Names) -> tuple[Step, ...]:
 
 
 def _step(table: dict[str, Any], number: str, names: Names) -> Step | None:
-    """Return a step; None where its keys are wrong, whose values are then looked at as far as that goes."""
+    """Return a step, or None if its keys are wrong; its values are then checked as far as possible."""
     kinds = [key for key in _READERS if key in table]
     if len(kinds) != 1:
         raise InputError(f"{number}: has {' and '.join(kinds) or 'none'} of {', '.join(_READERS)}; exactly one wanted")

@@ -18,7 +18,7 @@ LARGEST, LARGEST_SETTLING, SMALLEST = 2048, 512, 64
 """Sides of blocks [cells]: the largest, the largest in a run until settled (more of them can be skipped), the least."""
 BLOCKS_PER_WORKER = 2
 MOST_STEPS = 256
-"""The most steps of a superstep: what is lost when a run is stopped."""
+"""The most steps of a superstep; a stopped run loses at most this number."""
 HALO_PART = 16
 """The halo of a superstep is at most this part of a block's side."""
 WORKER_BYTES = 250e6

@@ -1,4 +1,4 @@
-"""Store of a large grid: a Zarr group with its planes in chunks, and the record of what is computed.
+"""Store of a large grid: a Zarr group with its planes in chunks, and the record of the progress.
 
 The record is an attribute of the group, which Zarr replaces as a whole, so a run that is killed resumes from it.
 """

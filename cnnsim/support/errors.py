@@ -7,7 +7,7 @@ from typing import Literal
 
 
 class InputError(ValueError):
-    """Wrong input: the message says what was found and what is wanted.
+    """Wrong input: the message has the value found and the values expected.
 
     Command lines print it as one line on stderr and exit with code 2.
     """

@@ -39,7 +39,7 @@ def refuse_existing(path: Path, replace: bool = False) -> None:
     if not replace:
         raise InputError(f"{path}: there is something of that name; another name or --replace wanted")
     if not stat.S_ISREG(os.lstat(path).st_mode):
-        raise InputError(f"{path}: not a plain file; a plain file or a new name wanted")
+        raise InputError(f"{path}: no plain file; a plain file or a new name wanted")
     with open_shut(path) as file:
         if not lock(file):
             raise InputError(f"{path}: another program is writing or sending it; another name wanted")

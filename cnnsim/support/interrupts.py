@@ -17,7 +17,7 @@ class Stopping:
     """The interrupt that is pending, if any."""
 
     command_line = False
-    """Set by command lines: a second Ctrl-C ends them; a session in Python goes on."""
+    """Set by command lines: a second Ctrl-C ends the process; an interactive Python continues."""
     foreign = 0
     """Calls into libraries whose own threads crash the process if it ends before them."""
     _depth = 0

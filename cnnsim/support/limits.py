@@ -43,13 +43,13 @@ def check_most(value: float, most: float, what: str) -> None:
 
 
 def check_plain(path: Path, what: str) -> None:
-    """Raise an InputError for a folder, a device or a pipe, which could block for ever; a missing file passes."""
+    """Raise an InputError for a folder, a device or a pipe, which could block; a missing file is accepted."""
     if path.exists() and not path.is_file():
         raise InputError(f"{path}: {'a folder' if path.is_dir() else 'no plain file'}; a {what} wanted")
 
 
 def check_file(path: Path, what: str, most: int) -> None:
-    """Raise an InputError for what is no plain file or has more than ``most`` bytes.
+    """Raise an InputError if a path is no plain file or has more than ``most`` bytes.
 
     Raises:
         OSError: there is no such file.

@@ -26,7 +26,7 @@ def parse_plot(text: str) -> tuple[str, str, str | None]:
 
 
 def draw_columns(rows: Sequence[Row], x: str, y: str, colour: str | None, path: Path) -> None:
-    """Draw column ``y`` against ``x``: each case a dot, a line through the means of equal x; failed cases are left out.
+    """Draw column ``y`` against ``x``: a dot for each case, a line through the means of equal x; without failed cases.
 
     Raises:
         InputError: no such column, or one without a value; a colour with more than `MOST_COLOURS` values.

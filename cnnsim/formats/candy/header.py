@@ -29,7 +29,7 @@ class Setting:
 
 
 def read_setting(tem: TemFile, report: Diagnostics) -> Setting:
-    """Read %Setting, %Timing and %CNNModel; what is not understood is a warning, and the default stands."""
+    """Read %Setting, %Timing and %CNNModel; an unknown value gives a warning and the default."""
     header = tem.header("Setting")
     parts = {key.lower(): value.strip() for key, value in _PART.findall(header.text)}
     setting = Setting(given=frozenset(parts) & {"input", "inistate", "boundary"})

@@ -90,7 +90,7 @@ def check_size(image: Image.Image, name: str, cell_bytes: int) -> None:
 
 @contextmanager
 def _any_size() -> Iterator[None]:
-    """Switch off Pillow's own limit of pixels, which knows nothing of the free memory; `check_size` replaces it."""
+    """Disable Pillow's limit of pixels, which ignores the free memory; `check_size` replaces it."""
     usual, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
     try:
         yield

@@ -228,5 +228,5 @@ def test_what_is_switched_off_is_said() -> None:
     assert "no sleep" in plan.explain()
     assert plan.depth == 10
     assert "10 steps a pass" in plan.explain()
-    with pytest.raises(InputError, match="cannot do without 'magic'"):
+    with pytest.raises(InputError, match="without 'magic', which is no saving"):
         make_plan(HOLES, (512, 512), fixed(-1), without=["magic"])

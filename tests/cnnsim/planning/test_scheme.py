@@ -163,7 +163,7 @@ def test_adaptive_needs_a_duration_and_the_reference() -> None:
     ({"scheme": "eulr"}, "rk4, adaptive; did you mean 'euler'"),
     ({"cell": "full_range"}, "discrete-time; did you mean 'full-range'"),
     ({"cell": "spiking"}, "known are chua-yang, full-range"),
-    ({"without": ["sleeping"]}, "what can be switched off is closed form"),
+    ({"without": ["sleeping"]}, "names of savings wanted: closed form"),
 ])  # fmt: skip
 def test_bad_requests_are_told_what_is_wanted(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):

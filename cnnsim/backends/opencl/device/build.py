@@ -83,7 +83,7 @@ def code_defines() -> Defines:
 
 
 def boundary_defines(boundary: Boundary) -> dict[str, str | int]:
-    """Return the definition that says what lies around the grid."""
+    """Return the definition of the boundary condition."""
     return {"BOUNDARY": int(boundary_code(boundary))}
 
 
@@ -93,7 +93,7 @@ def cell_defines(plan: Plan, mask: cl.Buffer | None) -> dict[str, str | int]:
 
 
 def tap_defines(taps: tuple[Tap, ...], boundary: Boundary, constant: float, dtype: np.dtype[Any]) -> Defines:
-    """Return the definitions that say which neighbours count how much, and what lies around the grid."""
+    """Return the definitions of the taps and of the boundary condition."""
     return {
         "TAPS(DO, a)": " ".join(f"DO(a, {k}, {l}, {literal(weight, dtype)})" for k, l, weight in taps),
         "RADIUS": reach((tap.k, tap.l) for tap in taps),

@@ -1,4 +1,4 @@
-"""PoCL 3.0 on processors that its LLVM does not know: set a processor name that it knows; and vector width."""
+"""PoCL 3.0 on processors unknown to its LLVM: a processor name that LLVM knows, and the vector width."""
 
 import ctypes
 import os
