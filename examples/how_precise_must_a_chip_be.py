@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from cnnsim import library
-from cnnsim.prototyping.robust.plot import draw_robustness
+from cnnsim.prototyping.robust.report import draw_robustness
 from cnnsim.prototyping.robust.robust import measure
 
 

@@ -4,6 +4,7 @@ import json
 import struct
 import zlib
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -69,7 +70,8 @@ def _arrays() -> Files:
     yield "body.stl", bytes(80) + (2**32 - 1).to_bytes(4, "little") + bytes(500)
     table = json.loads(TEXTS["zarr.json"])
     for key in table:
-        for value in (None, -1, 10**18, [], {}, "x", [10**9] * 2, [-1, 4], [{"name": "gzip"}]):
+        values: list[Any] = [None, -1, 10**18, [], {}, "x", [10**9] * 2, [-1, 4], [{"name": "gzip"}]]
+        for value in values:
             yield "zarr.json", json.dumps({**table, key: value}).encode()
 
 
@@ -111,8 +113,8 @@ def _recordings() -> Files:
     magic, start = b"\x89MCAP0\r\n", b"\x01" + struct.pack("<Q", 8) + bytes(8)
     for kind, size, data in ((b"zstd", 2**62, zstd_zeros(4_000_000_000)), (b"zstd", 100, zstd_zeros(4_000_000_000)),
                              (b"lz4", 2**40, b"aaaaa"), (b"\xff", 2**40, b"aaaaa")):  # fmt: skip
-        body = struct.pack("<QQQII", 0, 0, size, 0, len(kind)) + kind + struct.pack("<Q", len(data)) + data
-        yield "r.mcap", magic + start + b"\x06" + struct.pack("<Q", len(body)) + body
+        chunk = struct.pack("<QQQII", 0, 0, size, 0, len(kind)) + kind + struct.pack("<Q", len(data)) + data
+        yield "r.mcap", magic + start + b"\x06" + struct.pack("<Q", len(chunk)) + chunk
     yield "r.mcap", magic + b"\x05" + struct.pack("<Q", 2**60)
     bag = b"#ROSBAG V2.0\n"
     for rest in (b"", b"\xff" * 100, struct.pack("<I", 2**31) + b"x" * 100, b"\0" * 4096,

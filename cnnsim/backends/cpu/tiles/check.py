@@ -5,6 +5,8 @@ neighbours are constant, d is constant. A step x + h (d - x) with h <= 1 then ke
 between x and d, rounding is monotonic, and 1 is a floating-point number. So the output keeps every bit.
 """
 
+from typing import Any
+
 import numpy as np
 
 from cnnsim.backends.cpu.compiled import helper, without_nan
@@ -51,7 +53,7 @@ def largest_of(found: Array) -> float:
 
 
 @without_nan
-def _check_row(x: Array, drive: Array) -> tuple[int, float]:
+def _check_row(x: Array, drive: Array) -> tuple[Any, float]:
     """Return how many cells are not saturated for good, and the largest |dx/dt|."""
     one, largest, unsaturated = x.dtype.type(1), x.dtype.type(0), np.int32(0)
     for j in range(x.size):

@@ -62,6 +62,7 @@ class EulerTiles:
         """Run a transient, several steps a pass over the grid."""
         work, planes = x.size * len(plan.feedback_taps), (x, pool.plane(x), pool.plane(x))
         feedback, tiling = self._compiled
+        given: tuple[Any, ...]
         given = tuple(grids(plane) for plane in (*planes, w)), feedback, (*tiling, threads_for(work)), self._schedule
         if self._sleeps:
             given = *given, np.empty((len(given[0][0]) * self._count, COLUMNS))

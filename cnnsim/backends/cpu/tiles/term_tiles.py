@@ -117,7 +117,8 @@ class TermTiles:
         )
         edge = r, int(boundary_code(boundary)), dtype.type(boundary.u), dtype.type(boundary.y), low
         rule = _rule(table, self._seen, steps, (int(kind), *numbers_of), edge)
-        self._rule = tuple(TermRule(*(int(function.address) for function in self._compiled), *rule))
+        addresses: Any = (int(function.address) for function in self._compiled)
+        self._rule = tuple(TermRule(*addresses, *rule))
         self._found = np.zeros((threads, layers + FOUND + APART), dtype)
         self.inputs = np.empty((0, *shape), dtype)
 
