@@ -60,8 +60,9 @@ def _by_gradients(leak: Any, right: Floats, tolerance: float, inverse: Inverse |
         left = right - leak @ found
         if np.abs(left).max() <= 1e-10 * np.abs(right).max():
             return found
-        change, failed = cg(leak, left, maxiter=_MOST_ITERATIONS, M=precondition)
-        if failed:
+        with np.errstate(divide="ignore", invalid="ignore"):  # of a singular matrix
+            change, failed = cg(leak, left, maxiter=_MOST_ITERATIONS, M=precondition)
+        if failed or not np.isfinite(change).all():
             return None
         found = found + change
         if np.abs(change).max() <= tolerance / 10:

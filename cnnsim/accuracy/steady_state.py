@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.accuracy.problem import Solution, TransientProblem
 from cnnsim.accuracy.spectrum import is_definite
-from cnnsim.accuracy.step_refinement import by_steps, longest_step, refine
+from cnnsim.accuracy.step_refinement import by_steps, decide_signs, longest_step, refine
 from cnnsim.accuracy.tolerance import Tolerance
 from cnnsim.accuracy.verify_settled import verify_settled
 from cnnsim.backends.base import Backend
@@ -28,19 +28,23 @@ _PERTURBATION = 100
 def to_rest(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> Solution:
     """Return the steady state of a transient, and the cells that no step decides.
 
-    Two runs by different steps must agree; where they do not, step refinement follows the transient itself.
+    Two runs by different steps must agree; where they do not, step refinement follows the transient itself. Signs of
+    saturated cells are compared with a run by accurate steps.
     """
     plan, scheme = problem.plan, problem.plan.scheme or EULER
     if (once := _single_step(problem)) is not None:
         step, why = once
         found = _settle(problem, where, tolerance, by_steps(plan, EULER, step) if step else plan)
         return replace(found, how=f"{why}; {found.how}")
+    last = _settle(problem, where, tolerance, plan)
+    saturated = problem.free(np.abs(last.x) >= 1).any()  # else the rest is that of a linear system
+    if last.settled and tolerance.signs and saturated and not problem.timed:
+        return _signs(problem, where, tolerance, last)
     longer = plan.step * 2 <= _NEAR_THE_LIMIT * longest_step(plan, scheme)
     first = _settle(
         problem, where, tolerance, by_steps(plan, scheme, plan.step * (2.0 if longer else 0.5)),
         problem.perturbed(where, _PERTURBATION),
     )  # fmt: skip
-    last = _settle(problem, where, tolerance, plan)
     if not (first.settled and last.settled):
         return last if first.settled else first
     apart = np.abs(plan.output(last.x) - plan.output(first.x))
@@ -52,16 +56,35 @@ def to_rest(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> 
     return _refined(problem, where, tolerance, max(first.t, last.t))
 
 
+def _signs(problem: TransientProblem, where: Backend, tolerance: Tolerance, last: Solution) -> Solution:
+    """Return the rest of a plain run if accurate steps confirm its signs (a second plain run may share its errors)."""
+    path = decide_signs(_until(problem, last.t), where, last.x > 0)
+    if np.array_equal(path.x > 0, last.x > 0) and not path.undecided.any():
+        return replace(last, how=f"steps of {last.plan.step:g} and {path.how} lead to one end; {last.how}")
+    return _continued(problem, where, tolerance, path)
+
+
 def _refined(problem: TransientProblem, where: Backend, tolerance: Tolerance, time: float) -> Solution:
     """Return the rest to which step refinement leads, where two plain runs end differently."""
-    time = math.ceil(min(time, problem.plan.limit) / problem.plan.step) * problem.plan.step
-    path = refine(replace(problem, plan=replace(problem.plan, duration=time)), where, replace(tolerance, signs=True))
+    path = refine(_until(problem, time), where, replace(tolerance, signs=True))
+    return _continued(problem, where, tolerance, path)
+
+
+def _until(problem: TransientProblem, time: float) -> TransientProblem:
+    """Return the transient until a time, rounded up to whole steps of the plan."""
+    step = problem.plan.step
+    time = max(1, math.ceil(min(time, problem.plan.limit) / step)) * step
+    return replace(problem, plan=replace(problem.plan, duration=time))
+
+
+def _continued(problem: TransientProblem, where: Backend, tolerance: Tolerance, path: Solution) -> Solution:
+    """Return the rest to which an accurate run leads; undecided as well are signs that change after its end."""
     found = _settle(problem, where, tolerance, problem.plan, path.x.astype(where.dtype))
     undecided = path.undecided | found.undecided | ((path.x > 0) != (found.x > 0))
-    how = f"two plain runs differ; {path.how}; {found.how}"
+    how = f"plain runs alone do not decide; {path.how}; {found.how}"
     if undecided.any():
         how = f"{int(undecided.sum())} cells end differently by the smallest perturbation: {how}"
-    return replace(found, t=max(time, found.t), undecided=undecided, how=how)
+    return replace(found, t=max(path.t, found.t), undecided=undecided, how=how)
 
 
 def _single_step(problem: TransientProblem) -> tuple[float, str] | None:

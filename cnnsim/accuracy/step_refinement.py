@@ -38,6 +38,10 @@ _ROUNDINGS = 4.0
 
 _STEP_ERROR, _MORE_RUNS = 1e-5, 4
 """Changes of the start, about the error of the last steps, and runs that find the cells whose signs depend on them."""
+_STEP_OF_SIGNS = 1.4
+"""Step of the first run for signs, times 1 + sum|A|."""
+_FEWEST_STARTS, _MOST_STARTS = 3, 12
+"""Changed starts: of cells that turn together at random, n starts miss all with probability 2^-n."""
 _STATES = 16
 """Of a corrected run, that are compared on the way."""
 _APART = 0.4
@@ -100,6 +104,34 @@ def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> S
     how = f"{name} by steps of {steps}; the last two runs differ by {differences[-1]:.2g}"
     how = how if done else f"{how}; {tolerance} was not reached"
     last = by_steps(plan, scheme, duration / counts[-1], timed=problem.timed)
+    return Solution(end, duration, False, math.nan, error, undecided, last, how)
+
+
+def decide_signs(problem: TransientProblem, where: Backend, expected: Array) -> Solution:
+    """Solve a transient for its signs; undecided are those that a small change of the start or a longer step turns.
+
+    The changes are about the errors of the steps. If the first changed start leads to the ``expected`` signs, that run
+    is the solution; else a run by half the step is, and further starts follow until two in a row turn no other cell.
+    """
+    plan, duration, corrected = problem.plan, float(problem.plan.duration), is_corrected(problem)
+    run = _corrected_run(problem) if corrected else _backend_run(problem, where, RK4)
+    whole, size = _STATES if corrected else 1, _STEP_ERROR / float(np.finfo(where.dtype).eps)
+    step = min(_STEP_OF_SIGNS / (1.0 + float(np.abs(plan.template.A).sum())), longest_step(plan, RK4))
+    count = whole * math.ceil(duration / step / whole)
+    check_count(duration, duration / (2 * count))
+    others = [run(problem.perturbed(where, size, 0), count)[-1]]
+    end, undecided, unchanged = others[0], np.zeros(others[0].shape, bool), 0
+    if problem.free((end > 0) != expected).any():
+        end, count = run(problem.planes[0], 2 * count)[-1], 2 * count
+        undecided = problem.free((others[0] > 0) != (end > 0))
+        while len(others) < _FEWEST_STARTS or (unchanged < 2 and len(others) < _MOST_STARTS):
+            others.append(run(problem.perturbed(where, size, len(others)), count // 2)[-1])
+            turned = problem.free((others[-1] > 0) != (end > 0)) & ~undecided
+            undecided, unchanged = undecided | turned, 0 if turned.any() else unchanged + 1
+    error = max(largest(other - end) for other in others)
+    name = "rk4 with corrected kinks" if corrected else "rk4"
+    how = f"{name} by steps of {duration / count:.3g}, runs from changed starts: {len(others)}"
+    last = by_steps(plan, RK4, duration / count)
     return Solution(end, duration, False, math.nan, error, undecided, last, how)
 
 

@@ -65,3 +65,26 @@ def test_halftones_of_a_mirrored_picture_are_right_or_undecided() -> None:
     decided[tuple(found.undecided.T)] = False
     assert decided.mean() > 0.5
     assert np.array_equal((found.y > 0)[decided], ends[0][decided])
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("name", ["halftone-3x3", "halftone-5x5", "halftone-5x5-crounse", "random"])
+def test_no_sign_is_wrong_unless_its_cell_is_undecided(name: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    rows, cols = np.mgrid[:32, :32] / 32
+    u = np.clip(np.sin(3 * cols + seed) * np.cos(4 * rows) + rng.uniform(-0.1, 0.1, (32, 32)), -1, 1)
+    if name == "random":
+        A = rng.normal(0, 0.5, (3, 3))
+        A[1, 1] = rng.uniform(1, 2)
+        template, boundary = Template((A + A[::-1, ::-1]) / 2, rng.normal(0, 0.5, (3, 3)), 0.1), fixed(0)
+    else:
+        entry = library.load(name)
+        template, boundary = entry.template, entry.boundary
+    given: dict[str, Any] = {"template": template, "state": u, "input": u, "boundary": boundary}
+    found = run_transient(**given, accuracy="binary")
+    truth = run_transient(**given, scheme="rk4", step=0.02, dtype="float64")
+    wrong = (found.y > 0) != (truth.y > 0)
+    wrong[tuple(found.undecided.T)] = False
+    assert truth.settled
+    assert not wrong.any()
+    assert len(found.undecided) <= 10
