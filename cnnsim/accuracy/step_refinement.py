@@ -128,6 +128,8 @@ def decide_signs(problem: TransientProblem, where: Backend, expected: Array) -> 
             others.append(run(problem.perturbed(where, size, len(others)), count // 2)[-1])
             turned = problem.free((others[-1] > 0) != (end > 0)) & ~undecided
             undecided, unchanged = undecided | turned, 0 if turned.any() else unchanged + 1
+        if unchanged < 2:  # more starts would turn more cells
+            undecided |= problem.free((end > 0) != expected)
     error = max(largest(other - end) for other in others)
     name = "rk4 with corrected kinks" if corrected else "rk4"
     how = f"{name} by steps of {duration / count:.3g}, runs from changed starts: {len(others)}"
