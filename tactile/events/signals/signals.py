@@ -34,6 +34,8 @@ HELD_LOAD = 3
 """Index of the held load in `LOAD` and in the state of `step_numba.step`."""
 LARGE_PARTS = (0.2, 0.3)
 """Parts of the held load at which ``large`` goes off and on."""
+UNEXPLAINED = 0.9
+"""Misfit above which a located load counts as no load: a fit to pure noise leaves 0.93 to 0.99 of it."""
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
@@ -212,7 +214,7 @@ class Signals:
 
     def take_load(self, t: float, load: Load) -> None:
         """Process a located load as one force taxel; no load is 0 N, an unknown load keeps the last value."""
-        lost = load.validity is Validity.NO_LOAD
+        lost = load.validity is Validity.NO_LOAD or load.misfit > UNEXPLAINED
         self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
         if not lost:
             _, _, of_q, of_r, of_f = load.scatter
