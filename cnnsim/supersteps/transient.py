@@ -105,9 +105,10 @@ def _steps(
         record = Record(**store.record)
         engine.side_of_store(folder, record.side)
     check_worker_memory(engine, plan, record.side, shape, where.dtype, set(planes), where.name, workers.count)
-    paths = {name: _in_place(plane, shape, where.dtype) for name, plane in planes.items() if engine.name == "processes"}
+    local = engine.name == "processes"
+    present = {name: _in_place(plane, shape, where.dtype) for name, plane in planes.items()} if local else {}
     new = {name: folder / (STATES[0] if name == STATE else name) for name in planes}
-    paths = {name: paths.get(name) or new[name] for name in planes}
+    paths = {name: present.get(name) or new[name] for name in planes}
     if planes.get("input") is planes[STATE]:  # one array for both
         paths[STATE] = paths["input"]
     if store.record is None:

@@ -102,7 +102,7 @@ class TermTiles:
         low = rows if torus and max(rows, cols) <= LOW else 0
         down = 1 if low else max(-(-rows // HIGH), min(-(-threads // n), -(-rows // LEAST)))
         height, wide = -(-rows // down), -(-cols // -(-cols // WIDE))
-        self.depth = 1 if scheme is None or plan.method == "general" else plan.depth
+        self.depth = 1 if scheme is None or plan.method == "general" else max(1, plan.depth)
         around = 0 if low else 2 * self.depth * stages * r
         self.count = n * -(-rows // height) * -(-cols // wide)
         self._tiles = threads, height, wide, wide + around if torus else min(cols, wide + around), self.depth
