@@ -76,7 +76,7 @@ def calibrate(
     use = np.array([frame.valid[row, col] for frame in frames])
     times = np.array([frame.t for frame in frames])
     made = from_scan(times[use], values[use, row, col], speed_mm_s * 1e-3, load_n, array.depth, modulus, toward)
-    told = {
+    result = {
         "taxel": [int(row), int(col)],
         "beta_ns": made.gains.beta_ns,
         "shear_gain": made.gains.shear,
@@ -89,7 +89,7 @@ def calibrate(
         ],
     }
     if as_json:
-        print_json(told)
+        print_json(result)
     else:
         echo(f"taxel ({row}, {col}), {int(use.sum())} frames")
         echo(f"beta_ns {made.gains.beta_ns:.4g}; gains {made.gains.shear:.6g},{made.gains.normal:.6g}")
@@ -129,8 +129,8 @@ def _from_weights(scan: Path, weights: Path, fit: Model, tare: int, output: Path
     gain, error = (np.diagonal(part, axis1=2, axis2=3) for part in (made.matrix, made.sigma))
     cross = made.matrix * (1 - np.eye(3)) / gain[..., None]
     if as_json:
-        told = {"quantity": array.quantity, "loads": len(times), "fit": fit, "cross_axis": float(np.abs(cross).max())}
-        print_json(told | {"matrix": made.matrix.tolist(), "sigma": made.sigma.tolist()})
+        result = {"quantity": array.quantity, "loads": len(times), "fit": fit, "cross_axis": float(np.abs(cross).max())}
+        print_json(result | {"matrix": made.matrix.tolist(), "sigma": made.sigma.tolist()})
     else:
         echo(f"{len(times)} loads, {array.rows} x {array.cols} taxels of {array.quantity}")
         for name, one, off in zip(NAMES, np.moveaxis(gain, -1, 0), np.moveaxis(error, -1, 0), strict=True):

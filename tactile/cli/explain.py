@@ -29,35 +29,37 @@ def explain(scene: Path, write: Path | None, as_json: bool) -> None:
     """
     from tactile.simulator.explain import explain_file  # not for --help
 
-    told = explain_file(scene, write)
+    explanation = explain_file(scene, write)
     if as_json:
         print_json(
             {
-                "title": told.title,
-                "peak": told.peak,
-                "unit": told.unit,
-                "fingers": told.lines,
-                "parts": [vars(part) for part in told.parts],
-                "notes": told.notes,
+                "title": explanation.title,
+                "peak": explanation.peak,
+                "unit": explanation.unit,
+                "fingers": explanation.lines,
+                "parts": [vars(part) for part in explanation.parts],
+                "notes": explanation.notes,
             }
         )
         return
     from rich.text import Text  # the same
     from rich.tree import Tree  # the same
 
-    tree = Tree(Text.assemble((printable(told.title), "bold"), f"  peak {told.peak:.3g} {told.unit}"))
-    for line in told.lines:
+    tree = Tree(
+        Text.assemble((printable(explanation.title), "bold"), f"  peak {explanation.peak:.3g} {explanation.unit}")
+    )
+    for line in explanation.lines:
         tree.add(line)
     on = tree.add("on: size in the signal relative to the peak, time per frame")
     off = tree.add("off: what adding it would change, relative to the peak (at the strength given, or a typical one)")
-    for part in told.parts:
+    for part in explanation.parts:
         size = "" if part.name == "contacts" else "<= " * part.at_most + f"{part.size:.2g}"
         text = f"{part.name:<20} {size:>9}"
         if part.on:
             on.add(Text.assemble((text, "green"), f"  {_time(part.seconds):>9}  ", (printable(part.what), "dim")))
         else:
             off.add(Text.assemble(f"{text}             ", (printable(part.what), "dim")) if part.what else text)
-    for note in told.notes:
+    for note in explanation.notes:
         tree.add(note)
     console(FULL).print(tree)
 

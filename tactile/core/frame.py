@@ -137,9 +137,9 @@ class Frame:
     def __repr__(self) -> str:
         rows, cols = self.valid.shape
         used = self.values[self.valid]
-        felt = f"{used.min():.3g} to {used.max():.3g}" if used.size else "no readings"
+        extent = f"{used.min():.3g} to {used.max():.3g}" if used.size else "no readings"
         shape = f"{rows} x {cols}, {int(self.valid.sum())} valid"
-        return f"Frame(finger={self.finger}, t={self.t:g}, sequence={self.sequence}, {shape}, {felt})"
+        return f"Frame(finger={self.finger}, t={self.t:g}, sequence={self.sequence}, {shape}, {extent})"
 
     def __post_init__(self) -> None:
         if not isinstance(self.values, np.ndarray) or not isinstance(self.valid, np.ndarray):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.profiles import Profile
 from tactile.elastic.unit_disc import EVEN, ODD, RZ, TWIST, ZR, ZZ, half_space, layer
 
@@ -95,7 +95,14 @@ def disc_table(
 
 @lru_cache(maxsize=64)
 def _table(
-    ratio: float, top: float, profile: Profile, unit: float, nu: float, quantity: Felt, accuracy: float, whole: bool
+    ratio: float,
+    top: float,
+    profile: Profile,
+    unit: float,
+    nu: float,
+    quantity: FieldQuantity,
+    accuracy: float,
+    whole: bool,
 ) -> DiscTable:
     limit, ends = unit * profile.limit, REACH / ratio if ratio else FAR
     functions = _Functions(ratio, profile, unit, Medium(1.0, nu, quantity), whole, TAIL - np.log(accuracy))

@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from cnnsim.support import Floats, InputError
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 
 PARTS = 256
 """Intervals of 1 / sqrt(1 + t) from 0, infinitely far, to 1, right above; the spline is good to 1e-7 of the peak."""
@@ -45,7 +45,7 @@ def layer_field(thickness: float | None, depth: float, strain: bool) -> Floats:
 
 
 @lru_cache(maxsize=16)
-def _table(thickness: float, quantity: Felt) -> Floats:
+def _table(thickness: float, quantity: FieldQuantity) -> Floats:
     from scipy.interpolate import CubicSpline  # slow to import, and only for layers of a known thickness
 
     near = np.linspace(0, 1, PARTS + 1)
@@ -61,7 +61,7 @@ def _table(thickness: float, quantity: Felt) -> Floats:
     return np.ascontiguousarray(np.moveaxis(powers, 0, -1))
 
 
-def _added(rho: Floats, thickness: float, quantity: Felt) -> Floats:
+def _added(rho: Floats, thickness: float, quantity: FieldQuantity) -> Floats:
     """Return the layer's share of the functions (n, 5) at distances in depths."""
     from tactile.elastic.layer_loads import waves_of  # brings scipy's special functions
 

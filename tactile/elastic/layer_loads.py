@@ -12,7 +12,7 @@ from tactile.core.loads import FORCE, PLACE, F, Q, R, X, Y
 from tactile.elastic.gauss import panels
 from tactile.elastic.halfspace import check_loads, point_load
 from tactile.elastic.layer import transfer
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 
 REACH = 30.0
 """Distance in thicknesses beyond which a bonded layer's field is 0: it decays exponentially."""
@@ -91,7 +91,7 @@ def waves_of(depth: float, medium: Medium) -> tuple[Floats, ...]:
 
 
 @lru_cache(maxsize=64)
-def layer_table(depth: float, nu: float, quantity: Felt) -> CubicSpline:
+def layer_table(depth: float, nu: float, quantity: FieldQuantity) -> CubicSpline:
     """Return the five integrals over sqrt(rho / REACH), for thickness 1 and modulus 1."""
     k, normal, normal_shear, shear_normal, shear, across = waves_of(depth, Medium(1.0, nu, quantity))
     root = np.linspace(0, 1, POINTS)

@@ -6,9 +6,9 @@ from typing import Literal, get_args
 
 from cnnsim.support import InputError
 
-Felt = Literal["strain", "stress"]
+FieldQuantity = Literal["strain", "stress"]
 """The quantity that a taxel measures."""
-FELT = get_args(Felt)
+FIELD_QUANTITIES = get_args(FieldQuantity)
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Medium:
 
     modulus: float
     nu: float = 0.5
-    quantity: Felt = "strain"
+    quantity: FieldQuantity = "strain"
     thickness: float = math.inf
 
     def __post_init__(self) -> None:
@@ -36,8 +36,8 @@ class Medium:
             raise InputError(f"Poisson's ratio {self.nu}, a number from 0 to 0.5 wanted")
         if not self.thickness > 0:
             raise InputError(f"thickness {self.thickness} m of the cover, a positive length wanted")
-        if self.quantity not in FELT:
-            raise InputError(f"quantity {self.quantity!r}, one of {', '.join(FELT)} wanted")
+        if self.quantity not in FIELD_QUANTITIES:
+            raise InputError(f"quantity {self.quantity!r}, one of {', '.join(FIELD_QUANTITIES)} wanted")
 
     @property
     def shear_modulus(self) -> float:

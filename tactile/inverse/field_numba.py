@@ -77,9 +77,9 @@ def jacobian(at, scale, load, strain, layer, rest, out):  # type: ignore[no-unty
 
 
 @kept_njit(error_model="numpy", fastmath=FAST)
-def residual(at, felt, scale, loads, strain, layer):  # type: ignore[no-untyped-def]
-    """Return the signals ``felt`` (n, 3) less those of the loads (k, 5)."""
-    left = felt.copy()
+def residual(at, measured, scale, loads, strain, layer):  # type: ignore[no-untyped-def]
+    """Return the signals ``measured`` (n, 3) less those of the loads (k, 5)."""
+    left = measured.copy()
     for i in range(len(at)):
         for k in range(len(loads)):
             x, y, q, r, f = at[i, 0] - loads[k, 0], at[i, 1] - loads[k, 1], loads[k, 2], loads[k, 3], loads[k, 4]
@@ -111,15 +111,15 @@ def energy(signals):  # type: ignore[no-untyped-def]
 
 
 @kept_njit(error_model="numpy")
-def equations(at, felt, scale, loads, strain, layer, tie, matrix, vector):  # type: ignore[no-untyped-def]
+def equations(at, measured, scale, loads, strain, layer, tie, matrix, vector):  # type: ignore[no-untyped-def]
     """Fill the normal equations at these loads (k, 5) and return chi^2 without the terms of ``tie``.
 
     ``tie`` (3,): coefficients of Q^2, Q R and R^2 that keep the shear at zero in directions that are not observable.
     """
-    out, left = np.empty((5 * len(loads), 3, len(at))), felt.T.copy()
+    out, left = np.empty((5 * len(loads), 3, len(at))), measured.T.copy()
     for k in range(len(loads)):
         jacobian(at, scale, loads[k], strain, layer, left, out[5 * k : 5 * k + 5])
-    table, signals = out.reshape((5 * len(loads), felt.size)), left.reshape(felt.size)
+    table, signals = out.reshape((5 * len(loads), measured.size)), left.reshape(measured.size)
     for m in range(len(table)):
         vector[m] = dot(table[m], signals)
         for n in range(m + 1):

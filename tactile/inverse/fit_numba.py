@@ -57,11 +57,15 @@ def least_squares(data, loads, steps):  # type: ignore[no-untyped-def]
     The covariance is infinite where the normal matrix is singular. ``data``: places (n, 2), signals (n, 3), their
     scale (n, 3), whether they are strains, table of the layer, and ``tie`` (3,) as `equations` has it.
     """
-    at, felt, scale, strain, layer, tie = data
+    at, measured, scale, strain, layer, tie = data
     size = 5 * len(loads)
     matrix, vector, inverse = np.empty((size, size)), np.empty(size), np.empty((size, size))
     next_matrix, next_vector, tried = np.empty((size, size)), np.empty(size), np.empty(loads.shape)
-    chi, whole, damping = equations(at, felt, scale, loads, strain, layer, tie, matrix, vector), energy(felt), 0.0
+    chi, whole, damping = (
+        equations(at, measured, scale, loads, strain, layer, tie, matrix, vector),
+        energy(measured),
+        0.0,
+    )
     for _ in range(steps):
         if chi <= ROUNDING * whole or damping > STIFF:
             break
@@ -70,7 +74,7 @@ def least_squares(data, loads, steps):  # type: ignore[no-untyped-def]
             continue
         for k in range(size):
             tried[k // 5, k % 5] = loads[k // 5, k % 5] + dot(inverse[k], vector)
-        then = equations(at, felt, scale, tried, strain, layer, tie, next_matrix, next_vector)
+        then = equations(at, measured, scale, tried, strain, layer, tie, next_matrix, next_vector)
         if not then < chi:
             damping = max(10 * damping, DAMPING)
             continue
@@ -90,11 +94,11 @@ def least_squares(data, loads, steps):  # type: ignore[no-untyped-def]
 @kept_helper(error_model="numpy")
 def forces(data, load):  # type: ignore[no-untyped-def]
     """Fill in (Q, R, F) of a load at a given place by linear least squares; return chi^2. Three taxels: eq. (14)."""
-    at, felt, scale, strain, layer, tie = data
-    out, left = np.empty((5, 3, len(at))), felt.T.copy()
+    at, measured, scale, strain, layer, tie = data
+    out, left = np.empty((5, 3, len(at))), measured.T.copy()
     load[2] = load[3] = load[4] = 0.0
     jacobian(at, scale, load, strain, layer, left, out)
-    table, signals = out.reshape((5, felt.size)), left.reshape(felt.size)
+    table, signals = out.reshape((5, measured.size)), left.reshape(measured.size)
     matrix, inverse, vector = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     for m in range(3):
         vector[m] = dot(table[2 + m], signals)
@@ -114,7 +118,7 @@ def forces(data, load):  # type: ignore[no-untyped-def]
 
 
 @kept_helper(error_model="numpy")
-def _near(at, felt, scale, loads):  # type: ignore[no-untyped-def]
+def _near(at, measured, scale, loads):  # type: ignore[no-untyped-def]
     """Return the taxels to fit: of more than `ALL_TAXELS` those within `REACH` of a load, if enough are."""
     use, count = np.empty(len(at), np.int64), 0
     for i in range(len(at)):
@@ -124,12 +128,12 @@ def _near(at, felt, scale, loads):  # type: ignore[no-untyped-def]
                 count += 1
                 break
     if len(at) <= ALL_TAXELS or count < NOISE_FROM * len(loads):
-        return at, felt, scale
+        return at, measured, scale
     some, part, weight = np.empty((count, 2)), np.empty((count, 3)), np.empty((count, 3))
     for i in range(count):
         some[i, 0], some[i, 1] = at[use[i], 0], at[use[i], 1]
         for m in range(3):
-            part[i, m], weight[i, m] = felt[use[i], m], scale[use[i], m]
+            part[i, m], weight[i, m] = measured[use[i], m], scale[use[i], m]
     return some, part, weight
 
 
@@ -140,27 +144,27 @@ def fit(data, loads, noise, place_only):  # type: ignore[no-untyped-def]
     Return chi^2, that without any load, the covariance (5 k, 5 k) for signals of variance 1, the residuals (n, 3), and
     the taxel out of `REACH` with the largest residual, -1 for none.
     """
-    at, felt, scale, strain, layer, tie = data
-    near, part, weight = _near(at, felt, scale, loads)
+    at, measured, scale, strain, layer, tie = data
+    near, part, weight = _near(at, measured, scale, loads)
     some = near, part, weight, strain, layer, tie
     if place_only:
         forces(some, loads[0])
     chi, covariance = least_squares(some, loads, STEPS)
-    left = residual(at, felt, scale, loads, strain, layer)
+    left = residual(at, measured, scale, loads, strain, layer)
     if len(near) < len(at):
         chi = energy(left)
-    return chi, energy(felt), covariance, left, _foreign(at, left, felt, loads, noise)
+    return chi, energy(measured), covariance, left, _foreign(at, left, measured, loads, noise)
 
 
 @kept_helper(error_model="numpy")
-def _foreign(at, left, felt, loads, noise):  # type: ignore[no-untyped-def]
+def _foreign(at, left, measured, loads, noise):  # type: ignore[no-untyped-def]
     worst, least = -1, max(FOREIGN_SHARE, FOREIGN_SIGMAS * noise)
     largest = least * least
     for i in range(len(left)):
         size = made = 0.0
         for k in range(3):
             size += left[i, k] ** 2
-            made += (felt[i, k] - left[i, k]) ** 2
+            made += (measured[i, k] - left[i, k]) ** 2
         if size > largest and size > FOREIGN_RATIO * FOREIGN_RATIO * made:
             nearest = np.inf
             for k in range(len(loads)):

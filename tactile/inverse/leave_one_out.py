@@ -30,7 +30,7 @@ def unstable(fit: Fit, *, left_out: bool) -> bool:
         return True
     if len(fit.loads) > 1 or count == 1 or fit.misfit <= (FIT_ANYTHING if left_out or count < 4 else DOUBT):
         return False
-    normal = np.broadcast_to([False, False, True], fit.signals.felt.shape)
+    normal = np.broadcast_to([False, False, True], fit.signals.measured.shape)
     if _moved(fit, fit.signals.less(normal)) > BY_SHEAR:
         return True
     return count <= FEW and any(_moved(fit, fit.signals.without(k)) > BY_TAXEL for k in range(min(count, STRONGEST)))
@@ -53,7 +53,7 @@ def _depends_on_shear(fit: Fit) -> bool:
     for q, r in ways:
         for half in (-f / 2, f / 2):
             sheared = made(signals, np.array([[x, y, q * half, r * half, 0.0]]))
-            if _moved(fit, signals._replace(felt=signals.felt - sheared)) > BY_SHEAR:
+            if _moved(fit, signals._replace(measured=signals.measured - sheared)) > BY_SHEAR:
                 return True
     return False
 

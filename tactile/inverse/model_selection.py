@@ -86,7 +86,7 @@ def _one_taxel(one: Candidate) -> bool:
 def _largest(one: Candidate, near: float) -> Flags:
     """Return which readings (n, 3) are the largest, up to the relative distance ``near``."""
     signals = one.fit.signals
-    raw = np.abs(signals.felt) / np.where(signals.scale > 0, signals.scale, np.inf)
+    raw = np.abs(signals.measured) / np.where(signals.scale > 0, signals.scale, np.inf)
     largest: Flags = raw >= raw.max() * (1 - near)
     return largest
 
@@ -101,12 +101,12 @@ def _without_certain(one: Candidate) -> Candidate:
     fit, signals = one.fit, one.fit.signals
     if one.clipped or one.false or fit.free < 1 or fit.chi <= NO_DIFFERENCE * fit.whole:
         return one
-    zero, ends = equal_readings(signals.felt, signals.scale)
+    zero, ends = equal_readings(signals.measured, signals.scale)
     if ends > 1:
         return _without_largest(one, _largest(one, EQUAL))
     if zero < 0:
         return one
-    dead = np.arange(signals.felt.size).reshape(-1, 3) == zero
+    dead = np.arange(signals.measured.size).reshape(-1, 3) == zero
     starts = fit.loads, fitted(signals.without(zero // 3), fit.loads).loads
     best = min((fitted(signals.less(dead), start) for start in starts), key=lambda found: found.chi)
     return replace(one, fit=best, ambiguous=False, false=(int(signals.cells[zero // 3]),))
@@ -129,7 +129,7 @@ def _without_clipped(one: Candidate) -> Candidate | None:
         return None
     cut = _largest(one, NEAR_END)
     found = _without_largest(one, cut)
-    if not (made(fit.signals, found.fit.loads)[cut] / fit.signals.felt[cut] > 1).all():
+    if not (made(fit.signals, found.fit.loads)[cut] / fit.signals.measured[cut] > 1).all():
         return None
     noise_alone = not found.fit.excess > 0 and fit.chi - found.fit.chi > (CLIPPED_SIGMAS * noise) ** 2 > 0
     return found if noise_alone or found.left * FALSE_TIMES < one.left else None
@@ -161,9 +161,9 @@ def _without_false(one: Candidate) -> Candidate | None:
     said, k = tests.false_reading(signals[:6], *numbers)
     if said == tests.SOUND:
         return None
-    false = np.arange(signals.felt.size).reshape(-1, 3) == k
+    false = np.arange(signals.measured.size).reshape(-1, 3) == k
     found, cell = fitted(signals.less(false), loads[:1]), (int(signals.cells[k // 3]),)
-    ambiguous, read = said == tests.ONE_OF_TWO, signals.felt[false][0]
+    ambiguous, read = said == tests.ONE_OF_TWO, signals.measured[false][0]
     if read and _largest(one, 0.0)[false][0] and made(signals, found.loads)[false][0] / read > 1:
         return replace(one, fit=found, ambiguous=ambiguous, clipped=cell)
     return replace(one, fit=found, ambiguous=ambiguous, false=cell)

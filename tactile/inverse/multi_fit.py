@@ -144,7 +144,7 @@ def large_pad(taxels: Taxels, one: Candidate) -> Candidate | None:
         return None
     keep = ~np.isin(fit.signals.cells, alone)
     signals = fit.signals._replace(
-        seen=fit.signals.seen[keep], felt=fit.signals.felt[keep], scale=fit.signals.scale[keep],
+        seen=fit.signals.seen[keep], measured=fit.signals.measured[keep], scale=fit.signals.scale[keep],
         cells=fit.signals.cells[keep],
     )  # fmt: skip
     starts = np.array([_start(taxels, int(n)) for n in peaks[:MOST]])
@@ -160,10 +160,10 @@ def _peaks(taxels: Taxels, pitch: float) -> tuple[Integers, Integers]:
     floor = max(PEAK * float(height.max()), ABOVE * float(np.quantile(height, QUIET)))
     around = np.ones((3, 3), bool)
     around[1, 1] = False
-    felt = maximum_filter(height, footprint=around, mode="constant") > ALONE * height
+    measured = maximum_filter(height, footprint=around, mode="constant") > ALONE * height
     high = (maximum_filter(height, near) == height) & (height > floor)
-    peaks = np.flatnonzero(high & felt)
-    return peaks[np.argsort(-taxels.peak[peaks])], np.flatnonzero(high & ~felt)
+    peaks = np.flatnonzero(high & measured)
+    return peaks[np.argsort(-taxels.peak[peaks])], np.flatnonzero(high & ~measured)
 
 
 def local_statistics(fit: Fit) -> tuple[Floats, Floats, Floats]:
@@ -171,7 +171,7 @@ def local_statistics(fit: Fit) -> tuple[Floats, Floats, Floats]:
     signals, noise, found = fit.signals, fit.signals.noise or 0.0, np.zeros((3, len(fit.loads)))
     for k, load in enumerate(fit.loads):
         near = np.abs(signals.seen - load[:2]).max(axis=1) < NEAR
-        chi, whole = float((fit.rest[near] ** 2).sum()), float((signals.felt[near] ** 2).sum())
+        chi, whole = float((fit.rest[near] ** 2).sum()), float((signals.measured[near] ** 2).sum())
         random, free = fit.random * float(near.mean()), max(3 * int(near.sum()) - 5, 1)
         misfit = math.sqrt(min(max(chi - random, 0.0) / max(whole - random, random, 1e-300), 1.0))
         found[:, k] = max(chi / free, noise * noise), max(chi - random, 0.0) if random else 0.0, misfit

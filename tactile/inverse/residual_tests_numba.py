@@ -48,7 +48,7 @@ def unexplained(data, load, noise, chi, excess, free, covariance, more):  # type
     Return the most that one reading explains of chi^2, the largest part of an error in a reading that the load absorbs,
     the reading (3 taxel + axis) that explains most, and whether the largest reading may be clipped.
     """
-    at, felt, scale, strain, layer, _ = data
+    at, measured, scale, strain, layer, _ = data
     for m in range(5):
         more[m] = excess * covariance[m, m]
     if free < 2 or not covariance[0, 0] < np.inf:
@@ -56,16 +56,16 @@ def unexplained(data, load, noise, chi, excess, free, covariance, more):  # type
     count, variance, least = min(len(at), STRONGEST), noise * noise, NOTICED * NOTICED * noise * noise
     if noise == 0:
         variance, least = chi / free, chi * (1 - (BY_CHANCE / (3 * count + 1)) ** (2.0 / (free - 1)))
-    left, along = felt[:count].T.copy(), np.empty((5, 3, count))
+    left, along = measured[:count].T.copy(), np.empty((5, 3, count))
     jacobian(at[:count], scale[:count], load, strain, layer, left, along)
     largest, at_end = 0.0, 0
     for i in range(len(at)):
         for k in range(3):
             if scale[i, k] > 0:
-                largest = max(largest, abs(felt[i, k]) / scale[i, k])
+                largest = max(largest, abs(measured[i, k]) / scale[i, k])
     for i in range(len(at)):
         for k in range(3):
-            at_end += scale[i, k] > 0 and abs(felt[i, k]) >= largest * scale[i, k] * (1 - NEAR_END)
+            at_end += scale[i, k] > 0 and abs(measured[i, k]) >= largest * scale[i, k] * (1 - NEAR_END)
     most, hidden, worst, clipped = -1.0, 0.0, 0, at_end > 1
     slopes, step, of_many = np.empty(5), np.empty(5), 2 * math.log(LIKELY * 3 * count)
     for i in range(count):
@@ -76,7 +76,7 @@ def unexplained(data, load, noise, chi, excess, free, covariance, more):  # type
             for m in range(5):
                 step[m] = dot(covariance[m], slopes)
                 share += step[m] * slopes[m]
-            read, off, seen = felt[i, k], left[k, i], max(1 - share, HIDDEN)
+            read, off, seen = measured[i, k], left[k, i], max(1 - share, HIDDEN)
             explained, hidden = off * off / seen, max(hidden, share)
             if explained > most:
                 most, worst = explained, 3 * i + k
@@ -119,8 +119,8 @@ def width(data, load, covariance, moved):  # type: ignore[no-untyped-def]
     g is what the ring adds to the signals, J the Jacobian, g' = g - J^T C J g its visible part and r the residual; the
     fraction g' r / g' g' of the ring's mean square radius fits best, and C J g is how far the load is off.
     """
-    at, felt, scale, strain, layer, _ = data
-    ring, nothing = np.empty((AROUND + 1, 5)), np.zeros(felt.shape)
+    at, measured, scale, strain, layer, _ = data
+    ring, nothing = np.empty((AROUND + 1, 5)), np.zeros(measured.shape)
     for m in range(5):
         for k in range(AROUND):
             ring[k, m] = load[m] / AROUND if m > 1 else load[m]
@@ -128,10 +128,10 @@ def width(data, load, covariance, moved):  # type: ignore[no-untyped-def]
     for k in range(AROUND):
         ring[k, 0] += RADIUS * math.cos(2 * math.pi * k / AROUND)
         ring[k, 1] += RADIUS * math.sin(2 * math.pi * k / AROUND)
-    added = residual(at, nothing, scale, ring, strain, layer).T.copy().reshape(felt.size)  # -g
-    left, along, slope = felt.T.copy(), np.empty((5, 3, len(at))), np.empty(5)
+    added = residual(at, nothing, scale, ring, strain, layer).T.copy().reshape(measured.size)  # -g
+    left, along, slope = measured.T.copy(), np.empty((5, 3, len(at))), np.empty(5)
     jacobian(at, scale, load, strain, layer, left, along)
-    table, signals = along.reshape((5, felt.size)), left.reshape(felt.size)
+    table, signals = along.reshape((5, measured.size)), left.reshape(measured.size)
     for m in range(5):
         slope[m] = dot(table[m], added)
     seen = dot(added, added)
@@ -146,7 +146,7 @@ def second_load(data, load, covariance, left):  # type: ignore[no-untyped-def]
     """Return the taxel beyond `SECOND_APART` with the largest residual, the normal force of a load above it and the
     share of chi^2 that this load explains to first order; -1 where there is none.
     """
-    at, felt, scale, strain, layer, _ = data
+    at, measured, scale, strain, layer, _ = data
     worst, most, chi = -1, 0.0, 0.0
     for i in range(len(at)):
         own = left[i, 0] ** 2 + left[i, 1] ** 2 + left[i, 2] ** 2
@@ -161,9 +161,9 @@ def second_load(data, load, covariance, left):  # type: ignore[no-untyped-def]
     along, second = np.empty((5, 3, len(at))), np.empty((5, 3, len(at)))
     jacobian(at, scale, load, strain, layer, nothing, along)
     jacobian(at, scale, trial, strain, layer, nothing, second)
-    table, other = along.reshape((5, felt.size)), second.reshape((5, felt.size))
+    table, other = along.reshape((5, measured.size)), second.reshape((5, measured.size))
     matrix, inverse, vector = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    cross, signals = np.empty((3, 5)), left.T.copy().reshape(felt.size)
+    cross, signals = np.empty((3, 5)), left.T.copy().reshape(measured.size)
     for m in range(3):  # x, y and F of the second load
         row = other[m if m < 2 else 4]
         vector[m] = dot(row, signals)
@@ -190,27 +190,27 @@ def false_reading(data, load, chi, free, noise, tests, found):  # type: ignore[n
     the next best one. Tried are the reading that explains most to first order, starting from ``load``, and those of
     the strongest taxel, starting from the load that fits the other taxels.
     """
-    at, felt, scale, strain, layer, tie = data
+    at, measured, scale, strain, layer, tie = data
     excess, misfit, most, hidden, worst, _ = tests
     asked = excess > 0 if noise > 0 else misfit > SLIGHT_MISFIT and free > FEW_FREE
     if not (asked and free > 1 and (most > 0.5 * chi or hidden > HIDES)):
         return SOUND, -1
-    felt, scale, place, apart = felt.copy(), scale.copy(), np.empty((1, 5)), np.empty((1, 5))
+    measured, scale, place, apart = measured.copy(), scale.copy(), np.empty((1, 5)), np.empty((1, 5))
     for m in range(5):
         apart[0, m] = load[m]
-    least_squares((at[1:], felt[1:], scale[1:], strain, layer, tie), apart, STEPS)
+    least_squares((at[1:], measured[1:], scale[1:], strain, layer, tie), apart, STEPS)
     best, least, second = -1, np.inf, np.inf
     for turn in range(4):
         k = worst if turn == 0 else turn - 1
         i, axis = k // 3, k % 3
-        was, by = felt[i, axis], scale[i, axis]
+        was, by = measured[i, axis], scale[i, axis]
         if by == 0:
             continue
         for m in range(5):
             place[0, m] = load[m] if turn == 0 else apart[0, m]
-        felt[i, axis] = scale[i, axis] = 0.0
-        left, _ = least_squares((at, felt, scale, strain, layer, tie), place, STEPS)
-        felt[i, axis], scale[i, axis] = was, by
+        measured[i, axis] = scale[i, axis] = 0.0
+        left, _ = least_squares((at, measured, scale, strain, layer, tie), place, STEPS)
+        measured[i, axis], scale[i, axis] = was, by
         row = 0 if left < least else 1 if k != best and left < second else -1
         if row == 0 and k != best:
             second = least

@@ -47,7 +47,7 @@ class Fit:
         self.spread: Floats = np.diagonal(self.covariance).reshape(-1, 5)
         xx, xy, yy = signals.tie.tolist()
         observed = 2 if xx + yy == 0 else int(xx * yy - xy * xy <= 1e-12 * (xx + yy) ** 2)
-        self.free = max(signals.felt.size - signals.lost - (3 + observed) * len(loads), 0)
+        self.free = max(signals.measured.size - signals.lost - (3 + observed) * len(loads), 0)
         left, noise = self.chi / self.free if self.free else math.nan, signals.noise
         self.variance = left if noise is None or left > noise * noise else noise * noise
         known, taxels = noise or 0.0, len(signals.seen)
@@ -104,7 +104,7 @@ def _noise_energy(signals: Signals, rest: Floats, chi: float) -> float:
     taxels are a smooth field and no noise.
     """
     (rows, cols), size = signals.shape, rest.size
-    quantiles = ((rest, 0.5, 0.6745), (signals.felt, 0.1, 0.1257))  # of |x| for normal x of variance 1
+    quantiles = ((rest, 0.5, 0.6745), (signals.measured, 0.1, 0.1257))  # of |x| for normal x of variance 1
     noise = min(
         np.partition(np.abs(values).ravel(), int(part * size))[int(part * size)] / quantile
         for values, part, quantile in quantiles
@@ -130,7 +130,7 @@ def made(signals: Signals, loads: Floats) -> Floats:
     """Return the signals (n, 3) of loads (k, 5) at the places of these signals."""
     from tactile.inverse.field_numba import residual  # numba is slow to import
 
-    nothing = np.zeros_like(signals.felt)
+    nothing = np.zeros_like(signals.measured)
     return -residual(signals.seen, nothing, signals.scale, loads, signals.strain, signals.layer)
 
 
@@ -183,10 +183,10 @@ class Taxels:
         top = float(self.peak[order[0]])
         noise = None if self.noise is None else self.noise / top
         weights, units = (self.signal, self.trust, self.scale), (self.depth, self.strain, self.layer, top)
-        tried, first, second, (seen, felt, scale, strain, layer, tie), loads, result = one_load(
+        tried, first, second, (seen, measured, scale, strain, layer, tie), loads, result = one_load(
             self.at, self.planes, weights, order, units, noise or 0.0
         )
-        signals = Signals(seen, felt, scale, strain, layer, tie, order, self.shape, noise)
+        signals = Signals(seen, measured, scale, strain, layer, tie, order, self.shape, noise)
         fit, rival = Fit(signals, loads, result), tried[second]
         if thorough:
             places = [place for place in tried if np.isfinite(place[2])]
@@ -212,8 +212,10 @@ class Taxels:
         from tactile.inverse.start_numba import signals  # numba is slow to import
 
         top = float(self.peak[order[0]])
-        seen, felt, scale, tie = signals(self.at, self.planes, self.scale, order, place, self.depth, self.strain, top)
-        return Signals(seen, felt, scale, self.strain, self.layer, tie, order, self.shape, noise)
+        seen, measured, scale, tie = signals(
+            self.at, self.planes, self.scale, order, place, self.depth, self.strain, top
+        )
+        return Signals(seen, measured, scale, self.strain, self.layer, tie, order, self.shape, noise)
 
     def _silent_nearer(self, fit: Fit, first: int) -> bool:
         """Whether the only taxel with an answer locates it outside, nearer to a taxel without signal."""

@@ -52,12 +52,12 @@ def one_load(at, planes, weights, order, units, noise):  # type: ignore[no-untyp
     depth, strain, layer, top = units
     tried = consensus(at, planes, signal, trust, order[:VOTERS], depth)
     first, second = two_best(tried)
-    seen, felt, scaled, tie = signals(at, planes, scale, order, tried[first], depth, strain, top)
+    seen, measured, scaled, tie = signals(at, planes, scale, order, tried[first], depth, strain, top)
     if len(layer) > 0:
-        some = seen[:VOTERS], felt[:VOTERS], scaled[:VOTERS], strain, layer, tie
+        some = seen[:VOTERS], measured[:VOTERS], scaled[:VOTERS], strain, layer, tie
         tried = layer_places(some, tried, noise)
         first, second = two_best(tried)
-    data, loads = (seen, felt, scaled, strain, layer, tie), np.zeros((1, 5))
+    data, loads = (seen, measured, scaled, strain, layer, tie), np.zeros((1, 5))
     loads[0, 0], loads[0, 1] = tried[first, 0], tried[first, 1]
     return tried, first, second, data, loads, fit(data, loads, noise, True)
 
@@ -86,9 +86,9 @@ def single_load(values, planes, at, weights, units, noise, answer):  # type: ign
     one = noise / top
     known = depth, strain, layer, top
     tried, first, second, data, loads, fitted = one_load(at, planes, (signal, trust, scale), order, known, one)
-    seen, felt, scaled, _, _, tie = data
+    seen, measured, scaled, _, _, tie = data
     chi, whole, covariance, left, stranger = fitted
-    free = felt.size - 5
+    free = measured.size - 5
     rivals = second != first and tried[second, 2] < RIVAL * tried[first, 2]
     if rivals or stranger >= 0 or tie[0] + tie[2] > 0:
         return DOUBTFUL
@@ -98,7 +98,7 @@ def single_load(values, planes, at, weights, units, noise, answer):  # type: ign
     more, found = np.empty(5), np.empty((2, 5))
     most, hidden, worst, clipped = unexplained(data, loads[0], one, chi, excess, free, covariance, more)
     said, _ = false_reading(data, loads[0], chi, free, one, (excess, misfit, most, hidden, worst, clipped), found)
-    dead, ends = equal_readings(felt, scaled)
+    dead, ends = equal_readings(measured, scaled)
     if said != SOUND or dead >= 0 or ends > 1 or misfit > DOUBT:
         return DOUBTFUL
     if clipped and (misfit > SLIGHT_MISFIT or excess > 0) and free > FEW_FREE:
@@ -132,20 +132,20 @@ def single_load(values, planes, at, weights, units, noise, answer):  # type: ign
 
 
 @kept_njit(error_model="numpy")
-def equal_readings(felt, scale):  # type: ignore[no-untyped-def]
+def equal_readings(measured, scale):  # type: ignore[no-untyped-def]
     """Return the only reading (3 taxel + axis) that is zero, -1 for none, and how many are equally the largest.
 
     Noisy readings are never equal, so the first is dead and the others are clipped. Where any two others are equal, as
     with coarse steps or loads on an axis of symmetry, neither is: -1 and 0.
     """
-    raw, largest, zero, zeros, count, ends = np.empty(felt.size), 0.0, -1, 0, 0, 0
-    for i in range(len(felt)):
+    raw, largest, zero, zeros, count, ends = np.empty(measured.size), 0.0, -1, 0, 0, 0
+    for i in range(len(measured)):
         for k in range(3):
             if scale[i, k] > 0:
-                largest = max(largest, abs(felt[i, k]) / scale[i, k])
-    for i in range(len(felt)):
+                largest = max(largest, abs(measured[i, k]) / scale[i, k])
+    for i in range(len(measured)):
         for k in range(3):
-            own = abs(felt[i, k])
+            own = abs(measured[i, k])
             if own >= largest * (1 - EQUAL) * scale[i, k] > 0:
                 ends += 1
             elif scale[i, k] > 0 and own <= EQUAL * largest * scale[i, k]:

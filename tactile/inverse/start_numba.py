@@ -139,7 +139,7 @@ def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignor
     none: ``tie`` has the coefficients of Q^2, Q R and R^2 that keep it at zero.
     """
     taxels = order.size
-    seen, felt, tie, scaled = np.empty((taxels, 2)), np.empty((taxels, 3)), np.zeros(3), np.empty((taxels, 3))
+    seen, measured, tie, scaled = np.empty((taxels, 2)), np.empty((taxels, 3)), np.zeros(3), np.empty((taxels, 3))
     place_of = _candidates(at, planes, order, depth)
     xx = xy = yy = 0.0
     for i in range(taxels):
@@ -151,12 +151,12 @@ def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignor
         near = 1 / (1 + x * x + y * y)
         g = near * near * math.sqrt(near) * (planes[chosen, 2, n] / top)
         if strain:
-            felt[i, 0], felt[i, 1], felt[i, 2] = -3 * x * g, -3 * y * g, (x * x + y * y - 2) * g
+            measured[i, 0], measured[i, 1], measured[i, 2] = -3 * x * g, -3 * y * g, (x * x + y * y - 2) * g
         else:
-            felt[i, 0], felt[i, 1], felt[i, 2] = -x * g, -y * g, -g
+            measured[i, 0], measured[i, 1], measured[i, 2] = -x * g, -y * g, -g
         for k in range(3):
             scaled[i, k] = scale[n, k]
-            felt[i, k] *= scaled[i, k]
+            measured[i, k] *= scaled[i, k]
         xx += seen[i, 0] * seen[i, 0]
         xy += seen[i, 0] * seen[i, 1]
         yy += seen[i, 1] * seen[i, 1]
@@ -168,7 +168,7 @@ def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignor
         tie[0], tie[1], tie[2] = yy, -xy, xx
         for k in range(3):
             tie[k] *= UNOBSERVABLE / (xx + yy)
-    return seen, felt, scaled, tie
+    return seen, measured, scaled, tie
 
 
 @kept_njit(error_model="numpy")
@@ -177,7 +177,7 @@ def layer_places(data, tried, noise):  # type: ignore[no-untyped-def]
 
     The half-space's answers ``tried`` agree on a wrong place where the cover is thin.
     """
-    seen, felt, scale, strain, layer, tie = data
+    seen, measured, scale, strain, layer, tie = data
     load, taxels = np.zeros((1, 5)), len(seen)
     for k in range(len(tried)):
         if tried[k, 2] < np.inf:
@@ -185,12 +185,12 @@ def layer_places(data, tried, noise):  # type: ignore[no-untyped-def]
     first, _ = two_best(tried)
     _chi(data, tried[first], load)
     chi, _ = least_squares(data, load, STEPS)
-    free = max(felt.size - 5.0, 1.0)
+    free = max(measured.size - 5.0, 1.0)
     if chi <= max(GOOD, noise) ** 2 * (free + CHANCE * math.sqrt(2 * free)) and taxels >= FEWEST:
         tried[first, 0], tried[first, 1], tried[first, 2] = load[0, 0], load[0, 1], chi
         return tried
     few = min(taxels, TAXELS)
-    some = seen[:few], felt[:few], scale[:few], strain, layer, tie
+    some = seen[:few], measured[:few], scale[:few], strain, layer, tie
     places = np.full((len(tried) + SIDE * SIDE, 3), np.inf)
     for k in range(len(places)):
         if k < len(tried):

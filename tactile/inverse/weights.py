@@ -52,7 +52,7 @@ class Signals(NamedTuple):
     """
 
     seen: Floats
-    felt: Floats
+    measured: Floats
     scale: Floats
     strain: bool
     layer: Floats
@@ -64,14 +64,14 @@ class Signals(NamedTuple):
 
     def without(self, k: int) -> "Signals":
         """Return the signals of all taxels but the k-th."""
-        seen, felt, scale = (np.delete(part, k, 0) for part in (self.seen, self.felt, self.scale))
+        seen, measured, scale = (np.delete(part, k, 0) for part in (self.seen, self.measured, self.scale))
         lost = self.lost - int((self.scale[k] == 0).sum())
-        return self._replace(seen=seen, felt=felt, scale=scale, cells=np.delete(self.cells, k), lost=lost)
+        return self._replace(seen=seen, measured=measured, scale=scale, cells=np.delete(self.cells, k), lost=lost)
 
     def less(self, readings: Flags) -> "Signals":
         """Return the signals without these readings (n, 3)."""
-        felt, scale = (np.where(readings, 0.0, part) for part in (self.felt, self.scale))
-        return self._replace(felt=felt, scale=scale, lost=int((scale == 0).sum()))
+        measured, scale = (np.where(readings, 0.0, part) for part in (self.measured, self.scale))
+        return self._replace(measured=measured, scale=scale, lost=int((scale == 0).sum()))
 
 
 def newtons(array: TaxelArray, modulus: float | None) -> float:

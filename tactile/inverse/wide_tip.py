@@ -26,8 +26,8 @@ def variance_of_wide(fit: Fit) -> float:
     signals, load, least = fit.signals, fit.loads, math.inf
     for radius in RADII:
         for _ in range(4):  # each fit is nearer by a factor of 3 to 10
-            load = fitted(signals._replace(felt=signals.felt - _width(fit, load, radius)), load).loads
-        rest = signals.felt - _width(fit, load, radius) - made(signals, load)
+            load = fitted(signals._replace(measured=signals.measured - _width(fit, load, radius)), load).loads
+        rest = signals.measured - _width(fit, load, radius) - made(signals, load)
         least = min(least, float((rest * rest).sum()))
     free = max(fit.free - 1, 1)
     random = fit.random * free / max(fit.free, 1)

@@ -63,8 +63,8 @@ def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) ->
     figure.draw_without_rendering()  # lays out the figure, which the labels need
     figure.set_layout_engine("none")
     for axis, events, name in labelled:
-        told = label(axis, events)
-        rest = "" if told == len(events) else f", {len(events) - told} without room for a label"
+        shown = label(axis, events)
+        rest = "" if shown == len(events) else f", {len(events) - shown} without room for a label"
         axis.set_title(f"{name}: {len(events) or 'no'} event{'s' * (len(events) != 1)}{rest}", loc="left")
     return figure
 

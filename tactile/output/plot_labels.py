@@ -52,7 +52,7 @@ def label(axis: Any, events: Iterable[Event]) -> int:
     inches = axis.get_figure(root=True)
     height = SIZE * inches.dpi / 72 * 1.6
     rows = [LabelRow((number + 0.5) * height / box.height, []) for number in range(max(1, int(box.height / height)))]
-    told = 0
+    drawn = 0
     for event in sorted(events, key=lambda event: event.kind in MINOR):
         text = f"{HAND}: {event.words}" if event.finger == HAND else event.words  # a finger has a pull of its own
         colour = COLOURS.get(event.kind, OWN)
@@ -73,5 +73,5 @@ def label(axis: Any, events: Iterable[Event]) -> int:
             [event.t, event.t], [0, row.y], transform=axis.get_xaxis_transform(), color=colour, linewidth=0.7,
             zorder=0, clip_on=False,
         )  # fmt: skip
-        told += 1
-    return told
+        drawn += 1
+    return drawn

@@ -53,7 +53,7 @@ class Field:
         """(n, rows, cols, 3) in the quantity of the medium."""
         if self.bumps is not None:
             return self.bumps.readings(self.array, self.medium, self.loads)
-        return self.taxels.feel(
+        return self.taxels.measure(
             lambda at, depth, medium: field_at(at, depth, self.loads, medium, self.accuracy),
             self.medium,
             self.accuracy,

@@ -9,7 +9,7 @@ import numpy as np
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Contact, Field
@@ -41,7 +41,7 @@ class IdealSkin:
 
     def medium(self, finger: int) -> Medium:
         """The cover of a finger."""
-        return Medium(self.modulus, quantity=cast(Felt, self.arrays[finger].quantity))
+        return Medium(self.modulus, quantity=cast(FieldQuantity, self.arrays[finger].quantity))
 
     def contacts(self, finger: int) -> tuple[Contact, ...]:
         """All that presses on a finger."""

@@ -46,7 +46,7 @@ class TaxelLayout:
         """The taxels under a cover that is thicker by another (rows, cols) [m]."""
         return replace(self, thicker=thicker if self.thicker is None else self.thicker + thicker)
 
-    def feel(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool = False) -> Floats:
+    def measure(self, reading: Reading, medium: Medium, accuracy: float, at_once: bool = False) -> Floats:
         """The readings (frames, rows, cols, 3) with an error of about ``accuracy`` of the peak.
 
         ``at_once``: the reading takes any number of points in one call.

@@ -28,18 +28,18 @@ def signals(ratio: float) -> tuple[float, float]:
         return float(3 * r / (1 + r * r) ** 2.5), float((r * r - 2) / (1 + r * r) ** 2.5)
 
 
-def on_backend(backend: Backend, kind: Any, felt: Any, *parameters: float) -> Array:
+def on_backend(backend: Backend, kind: Any, measured: Any, *parameters: float) -> Array:
     """Return (dx, dy, force, validity) of one taxel."""
-    planes = tuple(backend.load(np.full((1, 1), one, np.dtype(backend.dtype)), "lam") for one in felt)
+    planes = tuple(backend.load(np.full((1, 1), one, np.dtype(backend.dtype)), "lam") for one in measured)
     return np.array([float(backend.read(one)[0, 0]) for one in backend.cellwise(kind, planes, parameters)])
 
 
 def _strain(shear: float, normal: float, backend: Backend) -> Array:
     """rho and force divided by the exact ones for these signals, rounded to the dtype; 1 and 1 are right."""
     kind = np.dtype(backend.dtype).type
-    felt = kind(shear), kind(0), kind(normal)
-    dx, _, force, _ = on_backend(backend, STRAIN_INVERSE, felt, 1.0, UNIT, 0.0, 1.0)
-    rho, size = exact_inverse(float(felt[0]), float(felt[2]))
+    measured = kind(shear), kind(0), kind(normal)
+    dx, _, force, _ = on_backend(backend, STRAIN_INVERSE, measured, 1.0, UNIT, 0.0, 1.0)
+    rho, size = exact_inverse(float(measured[0]), float(measured[2]))
     return np.array([abs(dx) / rho if rho else 1.0 + abs(dx), force / size])
 
 
@@ -78,16 +78,16 @@ TINY = 5e-324
 
 
 def _same(
-    name: str, why: str, kind: Any, felt: tuple[float, float, float], exact: tuple[float, ...], **more: Any
+    name: str, why: str, kind: Any, measured: tuple[float, float, float], exact: tuple[float, ...], **more: Any
 ) -> HardCase:
     """A case whose answer (dx, dy, force, validity) is known exactly."""
     parameters = (1.0, UNIT, 0.0, 1.0) if kind is STRAIN_INVERSE else (1.0, 0.0)
-    ours = partial(_answer, kind, felt, parameters)
+    ours = partial(_answer, kind, measured, parameters)
     return HardCase(name, why, ours, lambda: np.array(exact), 0.0, 0.0, **more)
 
 
-def _answer(kind: Any, felt: Any, parameters: tuple[float, ...], backend: Backend) -> Array:
-    return on_backend(backend, kind, felt, *parameters)
+def _answer(kind: Any, measured: Any, parameters: tuple[float, ...], backend: Backend) -> Array:
+    return on_backend(backend, kind, measured, *parameters)
 
 
 CASES = [

@@ -11,7 +11,7 @@ from cnnsim.support import Array, Floats
 from tactile.inverse.localise import localise
 from tactile.inverse.taxel import STRAIN_INVERSE, invert_strain
 from tests.hard_cases.case import HardCase
-from tests.kits.touch.pads import DEPTH, MODULUS, array, felt
+from tests.kits.touch.pads import DEPTH, MODULUS, array, measured
 
 SCALE = np.array([DEPTH, DEPTH, 1.0, 1.0, 1.0])
 
@@ -33,7 +33,7 @@ def _case(
     strain: Any = None, **more: Any,
 ) -> HardCase:  # fmt: skip
     """``naive`` takes places, signals and columns; ``strain``: signals instead of those of the load."""
-    given = felt(at, [np.array(load)], False)
+    given = measured(at, [np.array(load)], False)
     exact, form = (np.array(load) / SCALE)[list(columns)], naive and partial(naive, at, given, columns)
     ours = partial(_first, at, given if strain is None else strain, columns)
     return HardCase(name, why, ours, lambda: exact, 1e-8, 2e-3, form, **more)
@@ -71,14 +71,14 @@ def _azimuth(at: Floats, strain: Floats, columns: Sequence[int]) -> Array:
 
 
 def _two(backend: Backend) -> Array:
-    load = _located(PAD, felt(PAD, TWO, False), backend)
+    load = _located(PAD, measured(PAD, TWO, False), backend)
     rows = [(one.x, one.y, one.Q, one.R, one.F) for one in (load, *load.others)]
     return np.array(sorted(rows)) / SCALE if len(rows) == 2 else np.full((2, 5), np.nan)
 
 
 def _mean_of_two() -> Array:
     """One load: the mean of the answers of all taxels, weighted by their signals."""
-    x, y, z = np.moveaxis(felt(PAD, TWO, False), -1, 0)
+    x, y, z = np.moveaxis(measured(PAD, TWO, False), -1, 0)
     dx, dy, force, _ = invert_strain(x, y, z, DEPTH, MODULUS, 0.0, 1)
     weight = np.abs(z) / np.abs(z).sum()
     one = np.array(
@@ -88,7 +88,7 @@ def _mean_of_two() -> Array:
 
 
 def _broken(value: float) -> Floats:
-    strain = felt(SQUARE, [np.array(ABOVE)], False)
+    strain = measured(SQUARE, [np.array(ABOVE)], False)
     strain[0, 0] = value
     return strain
 

@@ -37,7 +37,7 @@ def random_load(random: np.random.Generator, rows: int, cols: int) -> Floats:
     return np.concatenate([place, random.normal(size=3)])
 
 
-def felt(at: Floats, loads: Any, stress: bool) -> Floats:
+def measured(at: Floats, loads: Any, stress: bool) -> Floats:
     return point_load_stress(at, DEPTH, loads) if stress else point_load_strain(at, DEPTH, loads, MODULUS)
 
 

@@ -19,7 +19,7 @@ from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 from tactile.bump.triangulate import straight, triangulate
 from tactile.elastic.gauss import gauss
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.profiles import hertz_radius
 from tests.oracles.elastic.layer import layer_load
 from tests.oracles.elastic.quarter_solid import quarter_solid
@@ -44,7 +44,7 @@ def flat_mesh() -> MeshTri:
 @pytest.mark.parametrize("quantity", ("strain", "stress"))
 @pytest.mark.parametrize(("kinematics", "force"), [(PRESSED, (0.0, 0.0, 1.0)), (SHEARED, (1.0, 0.0, 0.0))])
 def test_a_disc_on_a_flat_layer(
-    kinematics: Kinematics, force: tuple[float, float, float], quantity: Felt, nu: float
+    kinematics: Kinematics, force: tuple[float, float, float], quantity: FieldQuantity, nu: float
 ) -> None:
     """Elements against Fourier's solution of the bonded layer, normal and shear traction."""
     medium = Medium(2.0, nu, quantity)

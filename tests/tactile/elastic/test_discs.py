@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cnnsim.support import InputError
 from tactile.elastic.discs import disc_load, twist_load
 from tactile.elastic.halfspace import point_load
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.profiles import (
     FLAT_PUNCH,
     HERTZ,
@@ -49,7 +49,7 @@ def on_a_disc(
 
 @pytest.mark.parametrize("name", PRESSURES)
 @pytest.mark.parametrize(("nu", "quantity"), [(0.0, "strain"), (0.5, "strain"), (0.3, "stress")])
-def test_a_disc_is_many_points(name: str, nu: float, quantity: Felt) -> None:
+def test_a_disc_is_many_points(name: str, nu: float, quantity: FieldQuantity) -> None:
     profile, pressure = PRESSURES[name]
     places, share = on_a_disc(pressure)
     assert share.sum() == pytest.approx(1, rel=1e-12)

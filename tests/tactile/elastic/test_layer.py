@@ -11,7 +11,7 @@ from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.layer import transfer
 from tactile.elastic.layer_loads import layer_term
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tests.oracles.elastic.layer import layer_load, periodic_field
 
 random = np.random.default_rng(11)
@@ -83,7 +83,7 @@ def test_surface_and_uniform_pressure() -> None:
 
 @pytest.mark.parametrize(("nu", "quantity"), [(0.0, "strain"), (0.3, "stress"), (0.49, "strain"), (0.5, "strain")])
 @pytest.mark.parametrize("depth", (0.5, 0.7, 1.0))
-def test_point_loads_are_the_sum_of_waves(depth: float, nu: float, quantity: Felt) -> None:
+def test_point_loads_are_the_sum_of_waves(depth: float, nu: float, quantity: FieldQuantity) -> None:
     count, pitch, medium = 384, 0.125, Medium(2.0, nu, quantity)
     x, y = np.meshgrid(*2 * ((np.arange(count) - count // 2) * pitch,))
     bump = np.exp(-(x**2 + y**2) / 2 / 0.3**2)

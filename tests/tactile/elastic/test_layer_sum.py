@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from tactile.elastic.layer_loads import layer_term
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.sums.layer_sum import add_layer_term
 
 
 @pytest.mark.parametrize("quantity", ("strain", "stress"))
 @pytest.mark.parametrize("thickness", (1.0, 2.5, 60.0))
-def test_compiled_it_is_the_same(thickness: float, quantity: Felt) -> None:
+def test_compiled_it_is_the_same(thickness: float, quantity: FieldQuantity) -> None:
     random, medium, depth = np.random.default_rng(3), Medium(2e6, 0.4, quantity, thickness * 1e-3), 1e-3
     at = random.uniform(-0.04, 0.04, (20, 2))
     loads = random.normal(size=(3, 50, 5)) * (0.02, 0.02, 1, 1, 1)

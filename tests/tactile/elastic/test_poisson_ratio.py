@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load, point_load_strain
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.sums.direct import direct_sum
 from tactile.elastic.sums.spectral import TractionTransform
 from tests.oracles.elastic.boussinesq import strain_tensor
@@ -62,7 +62,7 @@ def test_a_smooth_map_in_space_is_the_same_map_in_waves() -> None:
 
 @pytest.mark.parametrize("quantity", ("strain", "stress"))
 @pytest.mark.parametrize("nu", (0.0, 0.3, 0.5))
-def test_the_compiled_sum_is_the_reference(quantity: Felt, nu: float) -> None:
+def test_the_compiled_sum_is_the_reference(quantity: FieldQuantity, nu: float) -> None:
     medium = Medium(2.4e6, nu, quantity)
     for shape, frames, count in (((8, 8), 40, 1), ((3, 5), 7, 20), ((1, 300), 4, 3), ((2, 2), 3, 1000), ((2,), 0, 4)):
         at, loads = random.uniform(-1e-3, 1e-3, (*shape, 2)), some_loads(frames, count)

@@ -14,7 +14,7 @@ from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
 from tactile.inverse.validity import Validity
 from tactile.settings import Settings
-from tests.kits.touch.pads import DEPTH, MODULUS, PITCH, array, as_row, felt, found, locate, random_load
+from tests.kits.touch.pads import DEPTH, MODULUS, PITCH, array, as_row, found, locate, measured, random_load
 
 
 def test_broken_and_unloaded_taxels() -> None:
@@ -50,7 +50,7 @@ def test_a_stuck_taxel_is_named_and_does_not_change_the_load(side: int, stress: 
     gross = named = 0
     for n in range(100):
         wanted = random_load(random, side, side) * [1, 1, 0.1, 0.1, 0] + [0, 0, 0, 0, 1]
-        signals = felt(at, [wanted], stress)
+        signals = measured(at, [wanted], stress)
         peak = np.abs(signals).max()
         signals = signals + random.normal(size=signals.shape) * 0.01 * peak
         row, col = random.integers(0, side, 2).tolist()
@@ -67,7 +67,7 @@ def test_saturated_taxels_are_marked_and_left_out(stress: bool) -> None:
     random, at = np.random.default_rng(6), array(8, 8)
     for _ in range(20):
         wanted = random_load(random, 6, 6) * [1, 1, 0.1, 0.1, 0] + [0, 0, 0, 0, 1]
-        signals = felt(at, [wanted], stress)
+        signals = measured(at, [wanted], stress)
         end = 0.6 * np.abs(signals).max()
         saturated = (np.abs(signals) > end).any(axis=-1)
         load = found(at, np.clip(signals, -end, end), stress, saturated=saturated)
@@ -106,7 +106,7 @@ def test_an_undeclared_clipped_reading_is_recognised(side: int, pitch: int, stre
     off, named = [], 0
     for _ in range(20):
         x, y = random.uniform(-0.4, 0.4, 2) * side * pitch * PITCH
-        signals = felt(at, [(x, y, 0.05, -0.03, 1.0)], stress)
+        signals = measured(at, [(x, y, 0.05, -0.03, 1.0)], stress)
         end = 0.6 * np.abs(signals).max()
         false = (np.abs(signals) > end).any(axis=-1)
         load = found(at, np.clip(signals + random.normal(size=signals.shape) * 1e-4 * end, -end, end), stress)
@@ -133,7 +133,7 @@ def test_a_false_taxel_or_a_second_load_is_ambiguous() -> None:
     """At a pitch of four depths one taxel measures the second load: the first one's place is right, the number not."""
     random, at = np.random.default_rng(1), TaxelArray("pad", 5, 5, 4 * DEPTH, DEPTH).positions()
     first, second = (0.3 * DEPTH, 0.2 * DEPTH, 0.0, 0.0, 0.4), (8.2 * DEPTH, 7.9 * DEPTH, 0.0, 0.0, 0.2)
-    signals = felt(at, [first, second], True)
+    signals = measured(at, [first, second], True)
     load = found(at, signals + random.normal(size=signals.shape) * 5e-3 * np.abs(signals).max(), True)
     assert load.x == pytest.approx(first[0], abs=0.05 * DEPTH)
     assert len(load.others) == 1 or load.validity in (Validity.AMBIGUOUS, Validity.NOT_ONE)

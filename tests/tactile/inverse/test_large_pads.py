@@ -6,7 +6,7 @@ import pytest
 from cnnsim.support import Floats
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
-from tests.kits.touch.pads import DEPTH, PITCH, array, felt, found
+from tests.kits.touch.pads import DEPTH, PITCH, array, found, measured
 
 SIDE = 32
 
@@ -23,7 +23,7 @@ def scattered(count: int, apart: float, random: np.random.Generator) -> Floats:
 
 
 def noisy(loads: Floats, part: float, random: np.random.Generator, stress: bool = False) -> Floats:
-    signals = felt(array(SIDE, SIDE), loads, stress)
+    signals = measured(array(SIDE, SIDE), loads, stress)
     return signals + part * np.abs(signals).max() * random.normal(size=signals.shape)
 
 

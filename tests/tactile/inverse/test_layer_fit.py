@@ -8,7 +8,7 @@ import pytest
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity, TaxelArray
 from tactile.elastic.layer_loads import layered_load
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.finger import Finger
 from tactile.inverse import field_numba
 from tactile.inverse.load import Load
@@ -32,7 +32,7 @@ class Cover:
         self.array = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH, quantity=quantity, thickness=self.thickness)
         self._finger = Finger(self.array, MODULUS, Settings(tare="off"))
 
-    def felt(self, loads: Floats) -> Floats:
+    def measured(self, loads: Floats) -> Floats:
         return layer_load(self.array.positions(), DEPTH, loads, self.thickness, self.medium)
 
     def found(self, values: Floats, valid: Flags | None = None) -> Load:
@@ -54,7 +54,7 @@ def test_place_and_forces_are_those_on_the_layer(quantity: Quantity, thickness: 
         cover = Cover(shape, quantity, pitch, thickness)
         for _ in range(6):
             wanted = draw(random, shape, pitch)
-            clean = cover.felt(wanted[None])
+            clean = cover.measured(wanted[None])
             exact = cover.found(clean)
             assert as_row(exact) == pytest.approx(wanted, abs=2e-5 * max(DEPTH, abs(wanted[4])))
             assert (exact.validity, exact.others, exact.misfit < 1e-4) == (Validity.INSIDE, (), True)
@@ -69,7 +69,7 @@ def test_place_and_forces_are_those_on_the_layer(quantity: Quantity, thickness: 
 def test_an_unknown_thickness_increases_the_misfit() -> None:
     cover = Cover((4, 4), "stress", 1.0, 1.02)
     wanted = np.array([0.3 * DEPTH, -0.2 * DEPTH, 0.05, 0.02, 0.3])
-    values = cover.felt(wanted[None])
+    values = cover.measured(wanted[None])
     known = cover.found(values)
     unknown = Finger(replace(cover.array, thickness=None), MODULUS, Settings(tare="off"))
     guessed = unknown.locate(Frame(0, 0.0, 0, values, np.ones((4, 4), bool)))
@@ -82,9 +82,9 @@ def test_an_unknown_thickness_increases_the_misfit() -> None:
 def test_errors_agree_with_the_deviations(quantity: Quantity) -> None:
     random, cover = np.random.default_rng(8), Cover((4, 4), quantity, 1.0, 1.25)
     wanted = np.array([0.4 * DEPTH, -0.7 * DEPTH, 0.04, -0.06, 0.3])
-    clean = cover.felt(wanted[None])
+    clean = cover.measured(wanted[None])
     noise = 3e-3 * float(np.abs(clean).max())
-    least = bound(lambda loads: cover.felt(np.atleast_2d(loads)), wanted, noise, SCALE)
+    least = bound(lambda loads: cover.measured(np.atleast_2d(loads)), wanted, noise, SCALE)
     loads = [cover.found(clean + random.normal(size=clean.shape) * noise) for _ in range(100)]
     errors = np.array([as_row(load) for load in loads]) - wanted
     assert (np.sqrt((errors**2).mean(axis=0)) < 1.3 * least).all()
@@ -94,11 +94,11 @@ def test_errors_agree_with_the_deviations(quantity: Quantity) -> None:
 def test_two_loads_and_a_stuck_taxel_are_found_on_a_thin_cover() -> None:
     cover = Cover((8, 8), "stress", 1.0, 1.1)
     loads = np.array([[-2e-3, -1e-3, 0.02, 0.0, 0.3], [2e-3, 1.5e-3, 0.0, -0.03, 0.2]])
-    found = cover.found(cover.felt(loads))
+    found = cover.found(cover.measured(loads))
     assert len(found.others) == 1
     for load, wanted in zip((found, *found.others), loads, strict=True):
         assert as_row(load) == pytest.approx(wanted, abs=1e-5)
-    values = cover.felt(loads[:1])
+    values = cover.measured(loads[:1])
     values[2, 4] = np.abs(values).max()
     found = cover.found(values)
     assert (found.left_out, found.others) == (((2, 4),), ())
@@ -108,15 +108,15 @@ def test_two_loads_and_a_stuck_taxel_are_found_on_a_thin_cover() -> None:
 def test_shear_across_a_line_is_determined_on_a_thin_cover_only() -> None:
     wanted = np.array([0.3e-3, 0.4e-3, 0.05, -0.08, 0.3])
     thin, thick = (Cover((1, 6), "strain", 1.0, h) for h in (1.3, 50.0))
-    assert as_row(thin.found(thin.felt(wanted[None]))) == pytest.approx(wanted, abs=1e-4)
-    assert np.isnan(thick.found(thick.felt(wanted[None])).R)
+    assert as_row(thin.found(thin.measured(wanted[None]))) == pytest.approx(wanted, abs=1e-4)
+    assert np.isnan(thick.found(thick.measured(wanted[None])).R)
 
 
 def test_one_taxel_on_a_thin_cover_is_ambiguous() -> None:
     """Its three readings fit several loads with different shear and places."""
     for thickness, wanted in ((1.2, Validity.AMBIGUOUS), (30.0, Validity.INSIDE)):
         cover = Cover((1, 1), "stress", 1.0, thickness)
-        assert cover.found(cover.felt(np.array([[0.6e-3, 0.3e-3, 0.0, 0.0, 0.3]]))).validity is wanted
+        assert cover.found(cover.measured(np.array([[0.6e-3, 0.3e-3, 0.0, 0.0, 0.3]]))).validity is wanted
 
 
 @pytest.mark.parametrize("several", [False, True])
@@ -127,13 +127,13 @@ def test_slopes_are_those_of_the_signals(body: str, several: bool) -> None:
     strain = body != "stress"
     layer = layer_field(1.2, 1.0, True) if body == "layer" else np.empty((0, 5, 4))
     at, scale = np.array([[0.3, -0.2], [1.4, 0.7], [0.0, 0.0]]), np.ones((3, 3))
-    load, felt = np.array([[0.1, 0.2, 0.3, -0.4, 1.0], [-0.6, 0.5, 0.2, 0.1, 0.7]])[: 1 + several], np.zeros((3, 3))
+    load, measured = np.array([[0.1, 0.2, 0.3, -0.4, 1.0], [-0.6, 0.5, 0.2, 0.1, 0.7]])[: 1 + several], np.zeros((3, 3))
     matrix, vector = np.empty((load.size, load.size)), np.empty(load.size)
-    field_numba.equations(at, felt, scale, load, strain, layer, np.zeros(3), matrix, vector)
+    field_numba.equations(at, measured, scale, load, strain, layer, np.zeros(3), matrix, vector)
 
     def made(step: Floats) -> Floats:
         loads = load + step.reshape(load.shape)
-        return np.asarray(-field_numba.residual(at, felt, scale, loads, strain, layer)).ravel()
+        return np.asarray(-field_numba.residual(at, measured, scale, loads, strain, layer)).ravel()
 
     nothing = np.zeros(load.size)
     slopes = np.array([(made(one) - made(-one)) / 2e-5 for one in 1e-5 * np.eye(load.size)])
@@ -154,14 +154,16 @@ def test_three_taxels_on_the_bottom_locate_the_load_or_are_ambiguous(
 ) -> None:
     cover = Cover((2, 2), "strain", 1.5, 1.0)
     wanted = np.array(load) * [DEPTH, DEPTH, 1, 1, 1]
-    values, valid = cover.felt(wanted[None]).reshape(2, 2, 3).copy(), np.ones((2, 2), bool)
+    values, valid = cover.measured(wanted[None]).reshape(2, 2, 3).copy(), np.ones((2, 2), bool)
     values[unread], valid[unread] = np.nan, False
     found = cover.found(values, valid)
     off = float(np.hypot(found.x - wanted[0], found.y - wanted[1])) / DEPTH
     assert off < 0.01 or found.validity is Validity.AMBIGUOUS
 
 
-def located(side: int, quantity: Felt, pitch: float, thickness: float, load: tuple[float, ...]) -> tuple[Load, float]:
+def located(
+    side: int, quantity: FieldQuantity, pitch: float, thickness: float, load: tuple[float, ...]
+) -> tuple[Load, float]:
     """Return the load located from (x, y) [depths] and (Q, R, F) [N] without the thickness, and its error [depths]."""
     pad, (x, y, *forces) = TaxelArray("pad", side, side, pitch * DEPTH, DEPTH, quantity=quantity), load
     cover = Medium(MODULUS, quantity=quantity, thickness=thickness * DEPTH)
@@ -180,7 +182,7 @@ def located(side: int, quantity: Felt, pitch: float, thickness: float, load: tup
     ],
 )
 def test_a_wrong_place_on_an_unknown_thin_cover_is_ambiguous(
-    side: int, quantity: Felt, thickness: float, load: tuple[float, ...]
+    side: int, quantity: FieldQuantity, thickness: float, load: tuple[float, ...]
 ) -> None:
     answer, off = located(side, quantity, 1.5, thickness, load)
     assert off > GROSS
@@ -189,7 +191,7 @@ def test_a_wrong_place_on_an_unknown_thin_cover_is_ambiguous(
 
 
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
-def test_a_right_place_on_a_thicker_cover_is_inside(quantity: Felt) -> None:
+def test_a_right_place_on_a_thicker_cover_is_inside(quantity: FieldQuantity) -> None:
     for x, y in ((0.1, 0.2), (-0.4, 0.3)):
         answer, off = located(4, quantity, 1.0, 2.0, (x, y, 0.03, -0.05, 0.3))
         assert off < GROSS / 3

@@ -7,7 +7,7 @@ import pytest
 
 from cnnsim.support import Floats, InputError
 from tactile.inverse.validity import Validity
-from tests.kits.touch.pads import SCALE, array, as_row, felt, found, locate, random_load
+from tests.kits.touch.pads import SCALE, array, as_row, found, locate, measured, random_load
 from tests.oracles.elastic.localise import bound, nearest
 
 
@@ -17,21 +17,24 @@ def test_the_answer_is_that_of_least_squares(shape: tuple[int, int], stress: boo
     random, at = np.random.default_rng(5), array(*shape)
     for _ in range(20):
         wanted = random_load(random, *shape) * [1, 1, 0.2, 0.2, 0] + [0, 0, 0, 0, 1]
-        signals = felt(at, [wanted], stress)
+        signals = measured(at, [wanted], stress)
         signals = signals + random.normal(size=signals.shape) * np.abs(signals).max() * 0.01
-        load, best = found(at, signals, stress), nearest(lambda p: felt(at, p, stress), signals, wanted[None], SCALE)[0]
+        load, best = (
+            found(at, signals, stress),
+            nearest(lambda p: measured(at, p, stress), signals, wanted[None], SCALE)[0],
+        )
         assert np.abs((np.array(as_row(load)) - best) / SCALE).max() < 2e-3
 
 
 def test_taxels_on_a_line_use_all_of_them() -> None:
     """Errors near the bound of an estimate of x, y, Q and F."""
     random, wanted, at = np.random.default_rng(3), np.array([4.2e-3, -2.3e-3, 0.1, 0.0, 0.4]), array(1, 9)
-    strain = felt(at, [wanted], False)
+    strain = measured(at, [wanted], False)
     noise, errors = 0.01 * float(np.abs(strain).max()), []
     for _ in range(200):
         load = locate(at, strain + random.normal(size=strain.shape) * noise)
         errors.append(np.array(as_row(load))[[0, 1, 2, 4]] - wanted[[0, 1, 2, 4]])
-    least = bound(lambda p: felt(at, p, False), wanted, noise, SCALE, (0, 1, 2, 4))
+    least = bound(lambda p: measured(at, p, False), wanted, noise, SCALE, (0, 1, 2, 4))
     assert (np.sqrt(np.mean(np.square(errors), axis=0)) < 1.2 * least).all()
 
 
@@ -45,12 +48,12 @@ def test_errors_and_deviations_are_near_the_cramer_rao_bound(
     ratio, own = [], []
     for _ in range(60 if side < 32 else 25):
         wanted = random_load(random, side, side) * [1, 1, 0.1, 0.1, 0] + [0, 0, 0, 0, 1]
-        signals = felt(at, [wanted], stress)
+        signals = measured(at, [wanted], stress)
         noise = level * float(np.abs(signals).max())
         noisy = signals + random.normal(size=signals.shape) * noise
         load = found(at, noisy, stress, noise if given_noise else None)
         error = (np.array(as_row(load)) - wanted)[:2]
-        ratio.append(error / bound(lambda p: felt(at, p, stress), wanted, noise, SCALE)[:2])
+        ratio.append(error / bound(lambda p: measured(at, p, stress), wanted, noise, SCALE)[:2])
         own.append(error / load.sigma[:2])
     assert np.sqrt(np.mean(np.square(ratio))) < 1.3
     assert np.mean(np.abs(own) < 2) > 0.85
@@ -58,7 +61,7 @@ def test_errors_and_deviations_are_near_the_cramer_rao_bound(
 
 
 def _over(at: Floats, noise: Floats, loads: Floats) -> Floats:
-    return felt(at, loads, False) / noise
+    return measured(at, loads, False) / noise
 
 
 def test_taxels_are_weighted_by_their_noise() -> None:
@@ -68,7 +71,7 @@ def test_taxels_are_weighted_by_their_noise() -> None:
     weighed, alike, wider = [], [], 0
     for _ in range(80):
         wanted = random_load(random, 4, 4) * [1, 1, 0.1, 0.1, 0] + [0, 0, 0, 0, 1]
-        signals = felt(at, [wanted], False)
+        signals = measured(at, [wanted], False)
         own = sigma * 1e-3 * float(np.abs(signals).max())
         noisy = signals + random.normal(size=signals.shape) * own
         least = bound(partial(_over, at, own), wanted, 1.0, SCALE)[:2]
@@ -90,7 +93,7 @@ def test_sigma_with_few_degrees_of_freedom(shape: tuple[int, int], free: int, st
     known = [0, 1, 2, 4] if shape[0] == 1 else [0, 1, 2, 3, 4]
     for _ in range(400):
         wanted = random_load(random, *shape) * [0.5, 1, 0.1, 0.1 * (shape[0] > 1), 0] + [2e-3, 0, 0, 0, 1]
-        signals = felt(at, [wanted], stress)
+        signals = measured(at, [wanted], stress)
         noisy = signals + random.normal(size=signals.shape) * 1e-3 * float(np.abs(signals).max())
         load = found(at, noisy, stress)
         if load.validity is Validity.INSIDE:
@@ -102,7 +105,7 @@ def test_sigma_with_few_degrees_of_freedom(shape: tuple[int, int], free: int, st
 
 def test_noise_that_is_not_positive_is_refused() -> None:
     at = array(2, 2)
-    strain = felt(at, [(4e-3, -2e-3, 0, 0, 1)], False)
+    strain = measured(at, [(4e-3, -2e-3, 0, 0, 1)], False)
     for wrong in (0.0, np.zeros((2, 2, 3)), np.ones((2, 3, 3))):
         with pytest.raises(InputError, match="positive numbers, one or"):
             locate(at, strain, wrong)

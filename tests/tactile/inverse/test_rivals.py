@@ -7,7 +7,7 @@ from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
-from tests.kits.touch.pads import DEPTH, as_row, felt, found
+from tests.kits.touch.pads import DEPTH, as_row, found, measured
 from tests.tactile.inverse.trials import KINDS, LINES, trial
 
 
@@ -18,7 +18,7 @@ def scene(
     at = TaxelArray("pad", *shape, pitch * DEPTH, DEPTH).positions()
     half = np.array([shape[1], shape[0]]) * pitch * DEPTH / 2
     load = np.array([*random.uniform(-1, 1, 2) * half, *random.uniform(-0.1, 0.1, 2), 0.4])
-    signals = felt(at, [load], stress)
+    signals = measured(at, [load], stress)
     noise = level * float(np.abs(signals).max())
     return at, load, signals + random.normal(size=signals.shape) * noise, noise
 
@@ -45,7 +45,7 @@ def test_a_zero_reading_is_named_even_within_the_noise_of_the_fit(side: int, pit
 def test_a_zero_of_the_field_and_coarse_steps_are_not_false_readings(stress: bool) -> None:
     line = TaxelArray("line", 1, 6, DEPTH, DEPTH).positions()
     load_aside = np.array([line[0, 4, 0], 0.4 * DEPTH, 0.03, 0.0, 0.4])
-    read = felt(line, [load_aside], stress)
+    read = measured(line, [load_aside], stress)
     assert np.count_nonzero(np.abs(read) < 1e-12 * np.abs(read).max()) == 1
     assert found(line, read, stress).left_out == ()
     random = np.random.default_rng(8)

@@ -7,10 +7,10 @@ import pytest
 
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
-from tests.kits.touch.pads import DEPTH, MODULUS, as_row, felt, found
+from tests.kits.touch.pads import DEPTH, MODULUS, as_row, found, measured
 from tests.oracles.elastic.layer import layer_load
 from tests.tactile.inverse.trials import KINDS, ball, point_signals, trial
 
@@ -77,7 +77,7 @@ def test_one_false_reading_is_named_and_the_others_of_its_taxel_are_used(
     at = pad(side, pitch)
     place = at[side // 2, side // 2] + (0.25 * DEPTH, -0.3 * DEPTH)
     wanted = np.array([*place, 0.05, -0.08, 0.4])
-    signals = felt(at, [wanted], stress)
+    signals = measured(at, [wanted], stress)
     row, col = np.unravel_index(np.abs(signals).max(axis=-1).argmax(), (side, side))
 
     def spoil(read: Floats) -> Floats:
@@ -107,7 +107,7 @@ def test_clipped_readings_are_named(
 ) -> None:  # fmt: skip
     at = pad(side, pitch)
     wanted = np.array([*at[taxel] + np.array(place) * DEPTH, 0.02, -0.03, 0.4])
-    signals = felt(at, [wanted], stress)
+    signals = measured(at, [wanted], stress)
     end = np.sort(np.abs(signals).ravel())[-len(clipped)] * 0.7
     load = located(at, signals, level, stress, lambda read: np.clip(read, -end, end), known=known)
     assert (set(load.saturated), load.left_out) == (set(clipped), ())
@@ -116,7 +116,7 @@ def test_clipped_readings_are_named(
 
 @pytest.mark.parametrize("stress", [False, True])
 def test_equal_exact_readings_are_not_clipped(stress: bool) -> None:
-    load = found(pad(4), felt(pad(4), [(0.0, 0.0, 0.0, 0.0, 0.4)], stress), stress)
+    load = found(pad(4), measured(pad(4), [(0.0, 0.0, 0.0, 0.0, 0.4)], stress), stress)
     assert (load.saturated, load.taxels) == ((), 16)
 
 
@@ -147,7 +147,7 @@ def test_a_weak_second_load_is_located(side: int, part: float, stress: bool) -> 
 
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
 @pytest.mark.parametrize("side", [4, 8])
-def test_the_force_on_a_thinner_cover_than_assumed_has_a_large_sigma(side: int, quantity: Felt) -> None:
+def test_the_force_on_a_thinner_cover_than_assumed_has_a_large_sigma(side: int, quantity: FieldQuantity) -> None:
     at, cover = pad(side), Medium(MODULUS, quantity=quantity)
     load = located(at, layer_load(at, DEPTH, WANTED[None], 1.2 * DEPTH, cover), 1e-5, quantity == "stress")
     assert abs(load.F / WANTED[4] - 1) > 0.15

@@ -26,7 +26,7 @@ def at_rest(
     return MovingContact(0, indenter, np.array([(0.0, *row)]), friction, by_depth)
 
 
-def feel(contact: MovingContact, at: NDArray[np.float64], depth: float = 5e-4) -> NDArray[np.float64]:
+def measure(contact: MovingContact, at: NDArray[np.float64], depth: float = 5e-4) -> NDArray[np.float64]:
     return field_at(at, depth, contact.loads(np.array([1.0]), depth, RUBBER), RUBBER)[0]
 
 
@@ -52,11 +52,11 @@ def test_contacts_carry_their_load_and_are_points_from_afar(indenter: Indenter, 
     assert total == pytest.approx(row[2:5], rel=1e-12)
     assert loads.totals[0, 0] == pytest.approx(row[:5])
     far = np.array([[0.02, 0.01], [-0.01, 0.03]])
-    point = feel(at_rest(Indenter(), row), far, 0.03)
-    assert feel(contact, far, 0.03) == pytest.approx(point, rel=1e-3)
+    point = measure(at_rest(Indenter(), row), far, 0.03)
+    assert measure(contact, far, 0.03) == pytest.approx(point, rel=1e-3)
     near = np.array([[1e-4, -2e-4]])
     if indenter.shape != "point":
-        assert abs(feel(contact, near)[0, 2]) < abs(feel(at_rest(Indenter(), row), near)[0, 2])
+        assert abs(measure(contact, near)[0, 2]) < abs(measure(at_rest(Indenter(), row), near)[0, 2])
 
 
 def test_friction_limits_what_a_contact_carries_and_changes_how_it_is_spread() -> None:
@@ -67,8 +67,8 @@ def test_friction_limits_what_a_contact_carries_and_changes_how_it_is_spread() -
     mild = (0.0, 0.0, 0.004, 0.0, 0.02, 0.0)
     at = np.array([[0.0, 0.0], [3e-4, 0.0]])
     sphere, path = Indenter("sphere", 2e-3), np.array([(0.0, 0, 0, 0, 0, 0.02, 0), (1.0, *mild)])
-    spread, ring = (feel(MovingContact(0, sphere, path, friction), at, 1e-4) for friction in (None, 0.5))
-    assert feel(at_rest(sphere, mild, 0.5), at, 1e-4) == pytest.approx(spread, rel=1e-9)  # both at once: no slip
+    spread, ring = (measure(MovingContact(0, sphere, path, friction), at, 1e-4) for friction in (None, 0.5))
+    assert measure(at_rest(sphere, mild, 0.5), at, 1e-4) == pytest.approx(spread, rel=1e-9)  # both at once: no slip
     assert abs(ring[0, 0]) < 0.9 * abs(spread[0, 0])  # the stuck middle carries less of the shear
     assert ring[0, 2] == pytest.approx(spread[0, 2], rel=1e-12)
 
@@ -116,7 +116,7 @@ def test_a_twist_is_limited_by_friction_and_adds() -> None:
     at = np.array([[2e-4, 0.0], [0.0, 3e-4]])
     gentle, hard = (at_rest(Indenter("sphere", 2e-3), (0, 0, 0, 0, 0.02, m), 0.5) for m in (1e-7, 1e-3))
     still = at_rest(Indenter("sphere", 2e-3), (0, 0, 0, 0, 0.02, 0), 0.5)
-    swirl = feel(gentle, at) - feel(still, at)
+    swirl = measure(gentle, at) - measure(still, at)
     assert swirl[0, 1] < 0 < swirl[1, 0]  # turning x to y drags the skin along: sigma = -q at the surface
     assert np.abs(swirl[:, 2]).max() < 1e-15
     most = 3 * np.pi / 16 * 0.5 * 0.02 * hertz_radius(0.02, 2e-3, RUBBER.contact_modulus)

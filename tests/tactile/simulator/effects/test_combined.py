@@ -12,7 +12,7 @@ from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.discs import disc_load
 from tactile.elastic.layer import transfer
-from tactile.elastic.medium import Felt, Medium
+from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.profiles import HERTZ, ROUND_TIP, round_tip_radius
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Loads
@@ -108,7 +108,7 @@ def test_the_pressure_of_a_layer_is_felt_by_all_its_waves() -> None:
 
 @pytest.mark.parametrize("quantity", ("strain", "stress"))
 @pytest.mark.parametrize("times", (1.0, 1.02, 2.0))
-def test_a_wide_contact_on_a_layer_is_many_points(times: float, quantity: Felt) -> None:
+def test_a_wide_contact_on_a_layer_is_many_points(times: float, quantity: FieldQuantity) -> None:
     array = replace(PAD, quantity=quantity)
     for contact in (sphere(2.0), sphere(2.0, 0.5, 1e-4, 0.3)):
         loads = affected(contact, FiniteThickness(times * Z), array=array).loads
