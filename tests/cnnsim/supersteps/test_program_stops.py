@@ -93,7 +93,7 @@ def test_stores_of_something_else_are_refused(tmp_path: Path) -> None:
 
 def test_what_an_engine_cannot_do_is_refused_before_anything_runs(tmp_path: Path) -> None:
     text = EVERYTHING.replace('to = "c"\n', 'to = "c"\naccuracy = 1e-3\n', 1)
-    with pytest.raises(InputError, match=r"step 2 .*an accuracy on an engine"):
+    with pytest.raises(InputError, match=r"step 2 .*accuracy with an engine"):
         UniversalMachine(engine=one(), store=tmp_path / "store").run(
             load(tmp_path, text), **planes_of(load(tmp_path, text), SHAPE)
         )

@@ -101,7 +101,7 @@ def test_transients_that_need_the_whole_grid_are_refused() -> None:
     for output in (Characteristic(slope=3), Characteristic(slope=0.5), TANH):  # each changes its own result
         with pytest.raises(InputError, match=f"the characteristic {output}; sign, or clip of slope 1, wanted"):
             cnnsim.run_transient(MIXED, state=X, input=U, cell=Cell("discrete-time", output), duration=2, engine=one())
-    with pytest.raises(InputError, match="an accuracy on an engine"):
+    with pytest.raises(InputError, match="accuracy with an engine"):
         cnnsim.run_transient(MIXED, state=X, input=U, accuracy=1e-3, engine=one())
     with pytest.raises(InputError, match="engine 'spark'; processes or dask=ADDRESS wanted"):
         cnnsim.run_transient(MIXED, state=X, input=U, engine="spark")
