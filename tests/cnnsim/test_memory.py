@@ -24,7 +24,7 @@ from cnnsim import (
 from cnnsim.task import make_task
 from tests.kits.paths import ROOT
 
-SIZES = (160, 520)
+SIZES = (520, 900)  # scratch memory of threads no longer grows with the size
 
 
 def picture_of(size: int, dtype: str = "float32") -> np.ndarray:
@@ -106,7 +106,9 @@ def test_a_run_takes_the_bytes_that_explain_counts(case: str) -> None:
     said = task.cell_bytes(4) * layers + (4 if "mask" in maps else 0)
     found = bytes_per_cell(given, prepared)
     assert found == pytest.approx(said, rel=0.12)
-    assert found <= 5.25 * 4 * layers + (5 if maps else 0)
+    assert found <= 5.25 * 4 * layers + (
+        6.2 if maps else 0
+    )  # a given map: 4 bytes; a mask: 2.1 as bits and truth values
 
 
 PEAK = """

@@ -51,7 +51,7 @@ def test_example(
 def test_a_short_example_has_a_title_and_asserts_a_number_through_the_front_door(path: Path) -> None:
     lines = path.read_text(encoding="utf-8").splitlines()
     assert len(lines) < 30
-    assert lines[0].startswith(f'"""{path.stem.replace("_", " ").capitalize()}: ')
+    assert lines[0].lower().startswith(f'"""{path.stem.replace("_", " ")}: ')
     assert any(line.strip().startswith("assert ") for line in lines)
     imported = {line.split()[1] for line in lines if line.startswith(("import ", "from "))}
     assert {name for name in imported if name.startswith(("cnnsim", "tactile"))} <= {"cnnsim", "tactile"}

@@ -17,7 +17,7 @@ GROUPS = {"cnnsim": "cnnsim.cli.group", "tactile": "tactile.cli.group"}
 COMMANDS = {
     "run": ["cnnsim", "run", "edge", "p.png", "--backend", "reference", "-o", "OUT.png"],
     "program": ["cnnsim", "program", "opening", "--input", "picture=p.png", "-o", "OUT"],
-    "export": ["cnnsim", "export", "edge", "--format", "gene", "--replace", "-o", "OUT"],
+    "export": ["cnnsim", "export", "edge", "--format", "json", "--replace", "-o", "OUT"],
     "record": ["tactile", "run", "s.toml", "-o", "OUT"],
     "convert": ["tactile", "convert", "s.toml", "OUT.npz"],
     "csv": ["tactile", "convert", "s.toml", "OUT.csv"],
@@ -78,7 +78,7 @@ def test_a_file_where_a_folder_is_wanted_and_the_reverse(name: str, folder: Path
 
 
 @pytest.mark.parametrize(
-    ("name", "file"), [("program", "opened.png"), ("export", "edge.gene"), ("record", "frames.csv")]
+    ("name", "file"), [("program", "opened.png"), ("export", "edge.json"), ("record", "frames.csv")]
 )
 def test_a_link_in_the_folder_is_not_followed(name: str, file: str, folder: Path) -> None:
     (folder / "precious").write_text("mine", encoding="utf-8")

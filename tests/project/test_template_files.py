@@ -60,7 +60,7 @@ def _known(message: str) -> set[str]:
         ("### Layers", TEMPLATE + '[[layer]]\n"%" = 1'),
         ("### Examples", PLAIN + '[[example]]\n"%" = 1'),
         ("## A program", '"%" = 1\ninputs = []'),
-        ("Templates of its own:", PROGRAM + '[templates.t]\n"%" = 1\n[[step]]\nfill = 1'),
+        ("Templates defined in the program:", PROGRAM + '[templates.t]\n"%" = 1\n[[step]]\nfill = 1'),
     ],
 )
 def test_every_key_is_described_and_no_other(heading: str, text: str, tmp_path: Path) -> None:

@@ -150,9 +150,9 @@ class CpuBackend(Backend):
             w = self._drive(plan, ready, x, u, bias)
             if mask is None and ready.fuses:
                 outcome = ready.euler(plan).run(plan, x, w, self._pool)
-            else:
+                self._pool.keep(w)
+            else:  # the result takes the memory of w
                 outcome = driver.run(plan, TermSteps(Network(plan, x, w, held)))
-            self._pool.keep(w)
         if not planes.all_finite.for_work(x.size)(grids(outcome.x)):
             check_finite(outcome.x, outcome.t)
         return outcome

@@ -161,7 +161,7 @@ def test_a_single_run_of_a_program_checks_its_values() -> None:
         run_program("opening", picture=np.ones((9, 9, 3)))
     with pytest.warns(UserWarning, match="picture reaches 255"):
         run_program("opening", picture=255.0 * SQUARE)
-    with pytest.raises(InputError, match=r"frame has shape \(2, 9, 9\), grids that know nothing of each other"):
+    with pytest.raises(InputError, match=r"frame has shape \(2, 9, 9\), independent grids"):
         run_program("motion-detection", frame=[picture, -picture])
 
 

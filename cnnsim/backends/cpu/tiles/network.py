@@ -98,12 +98,12 @@ class Network:
         return found
 
     def end(self, back: int = 0) -> Array:
-        """Return the present state, or one before it, in the shape of the given planes, and free the other planes."""
+        """Return the present state, or one before it, in the memory of w, and free the other planes."""
         number = self._number - back
-        end = self.states[number % len(self.states)] if number else self.start
+        end = self._w
+        end[:] = self.states[number % len(self.states)] if number else self.start
         del self._w
         self._still.inputs = self._moving.inputs = self._moving.inputs[:0]
-        end = end.copy()
         self.states = self.states[:0]
         return end.reshape(self._end_shape)
 
