@@ -29,7 +29,7 @@ class SweepSummary:
     file: Path
 
 
-class Job(NamedTuple):
+class SweepJob(NamedTuple):
     """Cases of one group by number, and the module of their kind."""
 
     module: str
@@ -61,7 +61,7 @@ def run_sweep(sweep: Sweep, folder: Path, *, engine: str = "processes", workers:
     return SweepSummary(rows, failed, len(left), perf_counter() - begun if left else 0.0, table.file)
 
 
-def _jobs(sweep: Sweep, left: Sequence[int], workers: int) -> list[Job]:
+def _jobs(sweep: Sweep, left: Sequence[int], workers: int) -> list[SweepJob]:
     """Divide cases into jobs by their groups; without groups a job has one case."""
     group, groups = sweep.kind.group, defaultdict[Any, list[int]](list)
     for number in left:
@@ -71,11 +71,11 @@ def _jobs(sweep: Sweep, left: Sequence[int], workers: int) -> list[Job]:
         size = min(MOST, -(-len(numbers) // (PARTS * workers)))
         for first in range(0, len(numbers), size):
             cases = [(number, sweep.case(number)) for number in numbers[first : first + size]]
-            jobs.append(Job(sweep.module, cases))
+            jobs.append(SweepJob(sweep.module, cases))
     return jobs
 
 
-def _rows_of_jobs(jobs: Sequence[Job], workers: Workers) -> Iterator[list[Row]]:
+def _rows_of_jobs(jobs: Sequence[SweepJob], workers: Workers) -> Iterator[list[Row]]:
     """Yield the rows of all jobs; after a worker died, run the unfinished cases one by one to find the fatal one."""
     try:
         yield from workers.map(run_job, jobs)
@@ -83,12 +83,12 @@ def _rows_of_jobs(jobs: Sequence[Job], workers: Workers) -> Iterator[list[Row]]:
         for job in error.unfinished:
             for number, case in job.cases:
                 try:
-                    yield from workers.map(run_job, [Job(job.module, [(number, case)])])
+                    yield from workers.map(run_job, [SweepJob(job.module, [(number, case)])])
                 except WorkerDiedError:
                     yield [{NUMBER: number, **case, "error": "its process died"}]
 
 
-def run_job(job: Job) -> list[Row]:
+def run_job(job: SweepJob) -> list[Row]:
     """Run a job on one thread and return its rows."""
     kind: Kind = import_module(job.module).KIND
     begun = perf_counter()

@@ -1,6 +1,6 @@
 """Least-squares fit of point loads to the signals of all taxels, compiled: Gauss-Newton steps with Levenberg's damping.
 
-Signals and lengths as in `field_numba`. Source: D. W. Marquardt, J. SIAM 11 (1963) 431.
+TaxelSignals and lengths as in `field_numba`. Source: D. W. Marquardt, J. SIAM 11 (1963) 431.
 """
 
 import math

@@ -10,8 +10,8 @@ import numpy as np
 
 from tactile.elastic.layer_field import HALF_SPACE
 from tactile.inverse.limits import DOUBT, STRONGEST, UNOBSERVABLE
-from tactile.inverse.single_fit import Fit, fitted, made
-from tactile.inverse.weights import Signals
+from tactile.inverse.single_fit import LoadFit, fitted, made
+from tactile.inverse.weights import TaxelSignals
 
 BY_SHEAR, BY_TAXEL = 0.2, 0.6
 """Distances [depths] from the place by shear alone, and from that without a taxel, from which a place is in doubt."""
@@ -23,7 +23,7 @@ FIT_ANYTHING = 0.02
 """Misfit from which the place of three taxels, or one with a taxel left out, is tested: they fit nearly anything."""
 
 
-def unstable(fit: Fit, *, left_out: bool) -> bool:
+def unstable(fit: LoadFit, *, left_out: bool) -> bool:
     """Whether the place of the only load depends on unexplained signals; ``left_out``: a taxel is left out already."""
     count = len(fit.signals.seen)
     if len(fit.signals.layer) and fit.signals.tie.any() and len(fit.loads) == 1 and _depends_on_shear(fit):
@@ -36,7 +36,7 @@ def unstable(fit: Fit, *, left_out: bool) -> bool:
     return count <= FEW and any(_moved(fit, fit.signals.without(k)) > BY_TAXEL for k in range(min(count, STRONGEST)))
 
 
-def _depends_on_shear(fit: Fit) -> bool:
+def _depends_on_shear(fit: LoadFit) -> bool:
     """Whether shear that the taxels do not measure may move the place: on a layer it does.
 
     A place outside is never certain: two taxels on the bottom give four numbers for it, which always fit.
@@ -58,6 +58,6 @@ def _depends_on_shear(fit: Fit) -> bool:
     return False
 
 
-def _moved(fit: Fit, signals: Signals) -> float:
+def _moved(fit: LoadFit, signals: TaxelSignals) -> float:
     """Return the distance [depths] of the place from that of a fit to these signals."""
     return math.dist(fitted(signals, fit.loads).loads[0, :2], fit.loads[0, :2])

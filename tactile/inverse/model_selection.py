@@ -27,7 +27,7 @@ from tactile.inverse.limits import (
     SLIGHT_MISFIT,
 )
 from tactile.inverse.multi_fit import EXPLAINED, ranked, several, simplest
-from tactile.inverse.single_fit import NO_DIFFERENCE, Candidate, Fit, Taxels, fitted, made
+from tactile.inverse.single_fit import NO_DIFFERENCE, Candidate, LoadFit, Taxels, fitted, made
 from tactile.inverse.wide_tip import may_be_wide, variance_of_wide
 
 FEW, NO_LESS = 16, 0.1
@@ -186,7 +186,7 @@ def _second(one: Candidate) -> Candidate | None:
     return replace(two, fit=ranked(two.fit)) if enough and _possible(two.fit) else None
 
 
-def _possible(fit: Fit) -> bool:
+def _possible(fit: LoadFit) -> bool:
     """Whether the last load is apart from the others and has no more shear than friction allows."""
     q, r, f = fit.loads[-1, 2:].tolist()
     gaps = np.hypot(*(fit.loads[:-1, :2] - fit.loads[-1, :2]).T)

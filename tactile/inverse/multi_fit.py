@@ -7,7 +7,7 @@ import numpy as np
 
 from cnnsim.support import Flags, Floats, Integers
 from tactile.inverse.limits import LARGE_PAD, LOADS, LOADS_APART, PEAK, POINT
-from tactile.inverse.single_fit import Candidate, Fit, Taxels, fitted
+from tactile.inverse.single_fit import Candidate, LoadFit, Taxels, fitted
 
 PEAKS, TRIES = 6, 8
 """Highest peaks from which fits start, and combinations of them for each number of loads."""
@@ -29,12 +29,12 @@ COARSE = 1.5
 """Pitch [depths] up to which a load above a taxel also gives its neighbours a signal."""
 
 
-def ranked(fit: Fit) -> Fit:
+def ranked(fit: LoadFit) -> LoadFit:
     """Return the fit with the strongest of its loads first."""
     rank = np.argsort(-np.hypot(np.hypot(*fit.loads[:, 2:4].T), fit.loads[:, 4]))
     k = (5 * rank[:, None] + np.arange(5)).ravel()
     covariance = np.ascontiguousarray(fit.covariance[np.ix_(k, k)])
-    return Fit(fit.signals, fit.loads[rank], (fit.chi, fit.whole, covariance, fit.rest, fit.stranger))
+    return LoadFit(fit.signals, fit.loads[rank], (fit.chi, fit.whole, covariance, fit.rest, fit.stranger))
 
 
 def several(taxels: Taxels, one: Candidate) -> list[Candidate]:
@@ -48,7 +48,7 @@ def several(taxels: Taxels, one: Candidate) -> list[Candidate]:
     starts, found, before = _small_pad_peaks(taxels), [], one.fit
     for count in range(2, min(LOADS, len(one.order) // 5) + 1):
         ways = sorted(combinations(range(len(starts)), count), key=lambda ranks: (sum(ranks), ranks))[:TRIES]
-        best: list[Fit | None] = [None, None]
+        best: list[LoadFit | None] = [None, None]
         left = before.chi
         for start in [_with_one_more(before), *(np.array([starts[k] for k in ranks]) for ranks in ways)]:
             fit = fitted(one.fit.signals, start)
@@ -85,14 +85,14 @@ def simplest(ways: list[Candidate]) -> Candidate:
     return chosen
 
 
-def _with_one_more(fit: Fit) -> Floats:
+def _with_one_more(fit: LoadFit) -> Floats:
     """Return the loads of a fit and one that presses above its largest residual."""
     worst = fit.worst[0]
     x, y = fit.signals.seen[worst]
     return np.concatenate([fit.loads, [[x, y, 0.0, 0.0, math.sqrt(float((fit.rest[worst] ** 2).sum())) / 2]]])
 
 
-def _distinct(fit: Fit) -> bool:
+def _distinct(fit: LoadFit) -> bool:
     """Whether all loads are well apart and larger than their uncertainty."""
     size = np.abs(fit.loads[:, 2:]).max(axis=1)
     large = (size > LARGER_THAN * np.sqrt(fit.variance * fit.spread[:, 2:].max(axis=1))).all()
@@ -166,7 +166,7 @@ def _peaks(taxels: Taxels, pitch: float) -> tuple[Integers, Integers]:
     return peaks[np.argsort(-taxels.peak[peaks])], np.flatnonzero(high & ~measured)
 
 
-def local_statistics(fit: Fit) -> tuple[Floats, Floats, Floats]:
+def local_statistics(fit: LoadFit) -> tuple[Floats, Floats, Floats]:
     """Return the variance of a signal, the excess and the misfit (k,) of each load from the square `NEAR` around it."""
     signals, noise, found = fit.signals, fit.signals.noise or 0.0, np.zeros((3, len(fit.loads)))
     for k, load in enumerate(fit.loads):

@@ -1,4 +1,4 @@
-// Signals of one taxel scaled by the largest of them, `tactile.inverse.taxel._scaled` for one cell: in_xz, in_yz, in_zz
+// TaxelSignals of one taxel scaled by the largest of them, `tactile.inverse.taxel._scaled` for one cell: in_xz, in_yz, in_zz
 // in; x, y, z (the signals over the largest of them), largest, finite out.
 
 #ifdef DOUBLE

@@ -21,7 +21,7 @@ from tactile.inverse.limits import (
     USUAL_NOISE,
 )
 from tactile.inverse.validity import Validity
-from tactile.inverse.weights import Signals, Weights
+from tactile.inverse.weights import TaxelSignals, Weights
 
 NO_DIFFERENCE = 1e-24
 """Share of the signals' energy below which two places explain them alike: rounding."""
@@ -31,7 +31,7 @@ LOOSE = 12.0
 """Twice the relative error of a variance from the tenth's quantile of n numbers, times the root of n."""
 
 
-class Fit:
+class LoadFit:
     """Loads (k, 5) fitted to signals, in depths and in the scale of the signals.
 
     ``chi``: sum of the squares of the residuals ``rest`` (n, 3), ``whole``: of the signals; ``covariance`` (5 k, 5 k)
@@ -39,7 +39,7 @@ class Fit:
     residuals, the larger one, NaN if both are unknown; ``random``, ``excess``, ``misfit``: see `misfits`.
     """
 
-    def __init__(self, signals: Signals, loads: Floats, fitted: tuple[Any, ...]) -> None:
+    def __init__(self, signals: TaxelSignals, loads: Floats, fitted: tuple[Any, ...]) -> None:
         from tactile.inverse.fit_numba import misfits  # numba is slow to import
 
         self.signals, self.loads = signals, loads
@@ -97,7 +97,7 @@ class Fit:
         return np.argsort(-(self.rest**2).sum(axis=1), kind="stable")
 
 
-def _noise_energy(signals: Signals, rest: Floats, chi: float) -> float:
+def _noise_energy(signals: TaxelSignals, rest: Floats, chi: float) -> float:
     """Return the part of chi^2 that is noise, estimated from residuals (n, 3).
 
     The noise is that of the median residual, or of the weakest signals if smaller; correlated residuals of neighbouring
@@ -117,16 +117,16 @@ def _noise_energy(signals: Signals, rest: Floats, chi: float) -> float:
     return float(min(noise**2 * (size + LOOSE * math.sqrt(size)), chi * (1 - likeness)))
 
 
-def fitted(signals: Signals, start: Floats) -> Fit:
+def fitted(signals: TaxelSignals, start: Floats) -> LoadFit:
     """Return the fit from a start on: loads (k, 5), or the place (1, 2) of one."""
     from tactile.inverse.fit_numba import fit  # numba is slow to import
 
     loads = np.zeros((len(start), 5))
     loads[:, : start.shape[1]] = start
-    return Fit(signals, loads, fit(signals[:6], loads, signals.noise or 0.0, start.shape[1] == 2))
+    return LoadFit(signals, loads, fit(signals[:6], loads, signals.noise or 0.0, start.shape[1] == 2))
 
 
-def made(signals: Signals, loads: Floats) -> Floats:
+def made(signals: TaxelSignals, loads: Floats) -> Floats:
     """Return the signals (n, 3) of loads (k, 5) at the places of these signals."""
     from tactile.inverse.field_numba import residual  # numba is slow to import
 
@@ -141,7 +141,7 @@ class Candidate:
     ``clipped``, ``false``: taxels of which a reading is not used, since it is clipped or contradicts all others.
     """
 
-    fit: Fit
+    fit: LoadFit
     top: float
     ambiguous: bool
     clipped: tuple[int, ...] = ()
@@ -186,8 +186,8 @@ class Taxels:
         tried, first, second, (seen, measured, scale, strain, layer, tie), loads, result = one_load(
             self.at, self.planes, weights, order, units, noise or 0.0
         )
-        signals = Signals(seen, measured, scale, strain, layer, tie, order, self.shape, noise)
-        fit, rival = Fit(signals, loads, result), tried[second]
+        signals = TaxelSignals(seen, measured, scale, strain, layer, tie, order, self.shape, noise)
+        fit, rival = LoadFit(signals, loads, result), tried[second]
         if thorough:
             places = [place for place in tried if np.isfinite(place[2])]
             fits = [fitted(self._signals(order, place, noise), place[None, :2]) for place in places]
@@ -207,7 +207,7 @@ class Taxels:
             ambiguous = self._silent_nearer(fit, int(order[0]))
         return Candidate(fit, top, ambiguous or fit.unsure > UNSURE)
 
-    def _signals(self, order: Integers, place: Floats, noise: float | None) -> Signals:
+    def _signals(self, order: Integers, place: Floats, noise: float | None) -> TaxelSignals:
         """Return the signals of these taxels, by the answers nearest to a place."""
         from tactile.inverse.start_numba import signals  # numba is slow to import
 
@@ -215,9 +215,9 @@ class Taxels:
         seen, measured, scale, tie = signals(
             self.at, self.planes, self.scale, order, place, self.depth, self.strain, top
         )
-        return Signals(seen, measured, scale, self.strain, self.layer, tie, order, self.shape, noise)
+        return TaxelSignals(seen, measured, scale, self.strain, self.layer, tie, order, self.shape, noise)
 
-    def _silent_nearer(self, fit: Fit, first: int) -> bool:
+    def _silent_nearer(self, fit: LoadFit, first: int) -> bool:
         """Whether the only taxel with an answer locates it outside, nearer to a taxel without signal."""
         away = fit.loads[0, :2] - fit.signals.seen[0]
         silent = (self.planes[:, 3] == Validity.NO_LOAD).all(axis=0)
@@ -226,7 +226,7 @@ class Taxels:
         gaps = np.hypot(*(self.at - self.at[first] - away * self.depth).T)
         return bool(gaps[silent].min() < gaps[first])
 
-    def _without_shear(self, fit: Fit, first: int) -> Fit:
+    def _without_shear(self, fit: LoadFit, first: int) -> LoadFit:
         """Return the fit of a pressing load without shear if its misfit is below `DOUBT`, else the given fit."""
         dx, dy, _, validity = self.planes[0, :, first].tolist()
         if validity not in (Validity.INSIDE, Validity.OUTSIDE):
@@ -236,7 +236,7 @@ class Taxels:
         return pressing if pressing.misfit < DOUBT else fit
 
 
-def _with_all_shear(fit: Fit) -> Fit:
+def _with_all_shear(fit: LoadFit) -> LoadFit:
     """Return the fit with the shear across a line of taxels if it is observable, as on a thin layer."""
     free = fitted(fit.signals._replace(tie=np.zeros(3)), fit.loads)
     if not np.isfinite(free.spread).all():

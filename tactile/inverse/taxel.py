@@ -102,7 +102,7 @@ def invert_stress(s_xz: Array, s_yz: Array, s_zz: Array, depth: float, floor: fl
 def _scaled(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array, Array, Array]:
     """Return the signals over the largest of the three, that largest, and where all three are finite.
 
-    Squares of small strains leave the range of float32; ratios to the largest do not. Signals below the smallest
+    Squares of small strains leave the range of float32; ratios to the largest do not. TaxelSignals below the smallest
     normal number of the dtype (1e-38 in float32) count as zero.
     """
     x, y, z = (np.asarray(plane) for plane in (x, y, z))

@@ -43,7 +43,7 @@ def weigh(noise: Floats | float | None, shape: tuple[int, int]) -> Weights:
     return Weights(typical, typical / sigma, (typical / sigma).min(axis=1))
 
 
-class Signals(NamedTuple):
+class TaxelSignals(NamedTuple):
     """Signals of the taxels ``cells`` (n,) of an array of ``shape``: places (n, 2) in depths, signals (n, 3) over the
     largest one times ``scale`` (n, 3), which makes their noise equal.
 
@@ -62,13 +62,13 @@ class Signals(NamedTuple):
     noise: float | None
     lost: int = 0
 
-    def without(self, k: int) -> "Signals":
+    def without(self, k: int) -> "TaxelSignals":
         """Return the signals of all taxels but the k-th."""
         seen, measured, scale = (np.delete(part, k, 0) for part in (self.seen, self.measured, self.scale))
         lost = self.lost - int((self.scale[k] == 0).sum())
         return self._replace(seen=seen, measured=measured, scale=scale, cells=np.delete(self.cells, k), lost=lost)
 
-    def less(self, readings: Flags) -> "Signals":
+    def less(self, readings: Flags) -> "TaxelSignals":
         """Return the signals without these readings (n, 3)."""
         measured, scale = (np.where(readings, 0.0, part) for part in (self.measured, self.scale))
         return self._replace(measured=measured, scale=scale, lost=int((scale == 0).sum()))

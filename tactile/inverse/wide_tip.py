@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.inverse.single_fit import Fit, fitted, made
+from tactile.inverse.single_fit import LoadFit, fitted, made
 
 RADII = (0.15, 0.3, 0.5, 0.7, 0.9, 1.1)
 """Radii [depths] of tips that are tried: smaller ones are points, larger ones no single load."""
 
 
-def may_be_wide(fit: Fit) -> bool:
+def may_be_wide(fit: LoadFit) -> bool:
     """Whether a wide tip explains more than half of the excess, to first order in its area."""
     from tactile.inverse.residual_tests_numba import width  # numba is slow to import
 
@@ -21,7 +21,7 @@ def may_be_wide(fit: Fit) -> bool:
     return bool(along > 0 and along * along > 0.5 * seen * (fit.chi - fit.random))
 
 
-def variance_of_wide(fit: Fit) -> float:
+def variance_of_wide(fit: LoadFit) -> float:
     """Return the least residual variance beyond the noise of a tip of any of the radii."""
     signals, load, least = fit.signals, fit.loads, math.inf
     for radius in RADII:
@@ -34,7 +34,7 @@ def variance_of_wide(fit: Fit) -> float:
     return max(least - random, random * math.sqrt(2 / free)) / free
 
 
-def _width(fit: Fit, load: Floats, radius: float) -> Floats:
+def _width(fit: LoadFit, load: Floats, radius: float) -> Floats:
     """Return the difference of the signals (n, 3) under a wide tip and under a point load (1, 5).
 
     Hertz's pressure over a circle of radius a has, up to the fourth, the moments of 0.3 of the load in the middle and

@@ -25,8 +25,8 @@ from cnnsim.backends.opencl.control import closed_form, control
 from cnnsim.backends.opencl.device.build import boundary_defines
 from cnnsim.backends.opencl.device.context import device_context
 from cnnsim.backends.opencl.device.devices import Family, choose_device, family_of, has_float64, title
-from cnnsim.backends.opencl.linear_steps import LinearSteps
-from cnnsim.backends.opencl.network_steps import DiscreteSteps, LinearStageSteps, NetworkSteps
+from cnnsim.backends.opencl.linear_steps import DeviceLinearSteps
+from cnnsim.backends.opencl.network_steps import DeviceDiscreteSteps, LinearStageSteps, NetworkSteps
 from cnnsim.backends.opencl.planes import (
     WORD,
     DevicePlane,
@@ -122,7 +122,7 @@ class OpenCLBackend(Backend):
         with context.lock:
             u, bias, black = buffers(u), buffers(bias), buffers(mask)
             if plan.method == "general":
-                kind = DiscreteSteps if plan.cell == "discrete-time" else NetworkSteps
+                kind = DeviceDiscreteSteps if plan.cell == "discrete-time" else NetworkSteps
                 network = kind(context, plan, grid, x.buffer, u, bias, black)
                 outcome = driver.run(plan, network, network.spans())
             elif plan.method == "closed form":
@@ -130,7 +130,7 @@ class OpenCLBackend(Backend):
             else:
                 assert plan.scheme is not None
                 w = control(context, plan, grid, u, bias)
-                steps = LinearSteps if len(plan.scheme.b) == 1 else LinearStageSteps
+                steps = DeviceLinearSteps if len(plan.scheme.b) == 1 else LinearStageSteps
                 outcome = driver.run(plan, steps(context, plan, grid, LinearPlanes(x.buffer, w, black)))
             state = x if outcome.x is x.buffer else DevicePlane(outcome.x, x.shape, "lam")  # no step was taken, or some
             if plan.method != "closed form":

@@ -8,7 +8,7 @@ import numpy as np
 from cnnsim.backends.base import Outcome
 from cnnsim.backends.opencl.device.build import boundary_defines, cell_defines
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.network_planes import NetworkPlanes, Task, of_terms
+from cnnsim.backends.opencl.network_planes import NetworkPlanes, NetworkTask, of_terms
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.slices import EXPONENTIALS
 from cnnsim.backends.term_table import tabulate
@@ -72,6 +72,6 @@ def _with_control_terms(
     planes, out = NetworkPlanes(context, plan, grid, table.radius, delay=None, inputs=1), context.plane(grid.cells)
     planes.padded.pad(u, planes.u, 0, plan.boundary.u)
     planes.set_bias(bias)
-    planes.do(Task.DRIVE, of_terms(context, plan, table, [0], output=False))
+    planes.do(NetworkTask.DRIVE, of_terms(context, plan, table, [0], output=False))
     planes.padded.unpad(planes.w, 0, out)
     return out

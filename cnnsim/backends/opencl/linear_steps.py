@@ -15,7 +15,7 @@ ASLEEP, COASTING, AWAKE = range(3)
 """What a tile does in a launch, as in sleep.cl."""
 
 
-class LinearSteps(CheckedSteps):
+class DeviceLinearSteps(CheckedSteps):
     """Steps x += gain (A*y + w - x) from a state that is not overwritten; launches write to two planes alternately.
 
     With the saving "sleep" a CPU skips tiles in which no output can change (see sleep.cl). The first two launches

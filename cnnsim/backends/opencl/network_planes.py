@@ -18,7 +18,7 @@ from cnnsim.network import layered
 from cnnsim.planning.plan import Plan
 
 
-class Task(Enum):
+class NetworkTask(Enum):
     """A kernel of network.cl, with its definition."""
 
     OUTPUT = "PLAIN(output, OUTPUT_TASK) "
@@ -108,24 +108,26 @@ class NetworkPlanes:
         else:
             self.padded.pad(bias, self.w, 0, 0.0)
 
-    def do(self, task: Task, neighbours: Neighbours, step: int = 0, first_turn: int = 0, turns: int = 1) -> None:
+    def do(self, task: NetworkTask, neighbours: Neighbours, step: int = 0, first_turn: int = 0, turns: int = 1) -> None:
         """Do a task at ``step``, or ``turns`` stages of steps from there on."""
         for _ in self._launches(task, neighbours, step, first_turn, turns):
             pass
 
-    def measure(self, task: Task, neighbours: Neighbours, step: int) -> tuple[float, bool]:
+    def measure(self, task: NetworkTask, neighbours: Neighbours, step: int) -> tuple[float, bool]:
         """Do a task; return the largest rate or change, and whether a cell's flag is set."""
         dtype = self._context.dtype
         found = [self._context.parts(2 * parts, dtype) for parts in self._launches(task, neighbours, step, 0, 1)]
         largest, flag = np.concatenate(found).reshape(-1, 2).max(axis=0)
         return float(largest), bool(flag)
 
-    def _launches(self, task: Task, neighbours: Neighbours, step: int, first_turn: int, turns: int) -> Iterator[int]:
+    def _launches(
+        self, task: NetworkTask, neighbours: Neighbours, step: int, first_turn: int, turns: int
+    ) -> Iterator[int]:
         """Launch a task piece by piece, and yield how many parts the measures of each piece have."""
         context, padded = self._context, self.padded
         defines = {**self._defines, **neighbours.defines, "KERNELS": task.value}
         kernel = context.kernel(task.kernel, f"boundary ghosts {neighbours.stem} network", defines)
-        of_layer = self._numbers(self._z if task is Task.DRIVE else self._over)
+        of_layer = self._numbers(self._z if task is NetworkTask.DRIVE else self._over)
         cells = padded.cells * (turns if padded.whole else 1)
         for first, units in context.pieces(padded.units, turns * neighbours.sums * padded.cells / padded.units):
             yield context.launch(

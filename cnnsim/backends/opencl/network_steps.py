@@ -5,7 +5,7 @@ from typing import Any
 
 from cnnsim.backends.base import Check, Stepper
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
-from cnnsim.backends.opencl.network_planes import Neighbours, NetworkPlanes, Task, of_taps, of_terms
+from cnnsim.backends.opencl.network_planes import Neighbours, NetworkPlanes, NetworkTask, of_taps, of_terms
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.backends.term_table import table_of
 from cnnsim.network import reach
@@ -17,7 +17,7 @@ from cnnsim.planning.plan import Plan
 class _PaddedSteps(Stepper):
     """Steps in padded planes: a launch a stage, or for small grids one launch for many steps."""
 
-    _task = Task.STEP
+    _task = NetworkTask.STEP
     _neighbours: Neighbours
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: NetworkPlanes, x: Buffer) -> None:
@@ -25,7 +25,7 @@ class _PaddedSteps(Stepper):
         self._now = 0
         for number in (0, *range(2, planes.past)):  # before t = 0 the state was x(0)
             planes.padded.pad(x, planes.x, number, plan.boundary.y)
-            planes.do(Task.OUTPUT, self._neighbours, number)
+            planes.do(NetworkTask.OUTPUT, self._neighbours, number)
         self.work = grid.cells * self._neighbours.sums * planes.stages
 
     def advance(self, step: int, count: int) -> None:
@@ -59,7 +59,7 @@ class LinearStageSteps(_PaddedSteps):
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
-        rate, unsaturated = self._planes.measure(Task.CHECK, self._neighbours, step)
+        rate, unsaturated = self._planes.measure(NetworkTask.CHECK, self._neighbours, step)
         return Check(rate, self._plan.saturation_ends and not unsaturated)
 
 
@@ -94,22 +94,22 @@ class NetworkSteps(_PaddedSteps):
         for number, delay in enumerate(self._delays):
             planes.padded.pad(at_step(self._u, step - delay, plan.step), planes.u, number, plan.boundary.u)
         planes.set_bias(at_step(self._bias, step, plan.step))
-        planes.do(Task.DRIVE, self._drive)
+        planes.do(NetworkTask.DRIVE, self._drive)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """See `Stepper.check_settled`."""
-        return Check(self._planes.measure(Task.CHECK, self._neighbours, step)[0])
+        return Check(self._planes.measure(NetworkTask.CHECK, self._neighbours, step)[0])
 
 
-class DiscreteSteps(NetworkSteps):
+class DeviceDiscreteSteps(NetworkSteps):
     """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
-    _task = Task.DISCRETE
+    _task = NetworkTask.DISCRETE
     _checked = -1  # the step that a check has taken already
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """Take the step and measure the change; see `Stepper.check_settled`."""
-        change, differs = self._planes.measure(Task.CHECK_DISCRETE, self._neighbours, step)
+        change, differs = self._planes.measure(NetworkTask.CHECK_DISCRETE, self._neighbours, step)
         self._checked = step
         return Check(change, repeats=step > 0 and not differs)
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.base import Outcome
-from cnnsim.backends.reference.terms import Network
-from cnnsim.backends.reference.transient import LinearSteps
+from cnnsim.backends.reference.terms import ReferenceNetwork
+from cnnsim.backends.reference.transient import ReferenceLinearSteps
 from cnnsim.network.cell import output, rate
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError
@@ -15,7 +15,7 @@ from cnnsim.support import Array, InputError
 
 def linear(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
     """Run a linear template; full-range states are clipped to +-1 wherever they are read."""
-    steps, limited = LinearSteps(plan, x, w, free), plan.cell == "full-range"
+    steps, limited = ReferenceLinearSteps(plan, x, w, free), plan.cell == "full-range"
 
     def derivative(_t: float, flat: Array) -> Array:
         now = flat.reshape(x.shape)
@@ -26,7 +26,7 @@ def linear(plan: Plan, x: Array, w: Array, free: Array) -> Outcome:
     return Outcome(output(end) if limited else end, float(plan.duration), False, math.nan)
 
 
-def general(network: Network) -> Outcome:
+def general(network: ReferenceNetwork) -> Outcome:
     """Run a network of terms.
 
     Raises:

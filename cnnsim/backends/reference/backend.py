@@ -10,9 +10,9 @@ from cnnsim.backends import driver
 from cnnsim.backends.base import Backend, Memory, Outcome, check_finite, parse_dtype
 from cnnsim.backends.reference import adaptive
 from cnnsim.backends.reference.drive import control
-from cnnsim.backends.reference.term_steps import DiscreteSteps, TermSteps
-from cnnsim.backends.reference.terms import Network
-from cnnsim.backends.reference.transient import LinearSteps, closed_form
+from cnnsim.backends.reference.term_steps import ReferenceDiscreteSteps, ReferenceTermSteps
+from cnnsim.backends.reference.terms import ReferenceNetwork
+from cnnsim.backends.reference.transient import ReferenceLinearSteps, closed_form
 from cnnsim.network import Boundary, Characteristic, pad
 from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
@@ -56,16 +56,16 @@ class ReferenceBackend(Backend):
     @staticmethod
     def _run(plan: Plan, x: Array, u: Any, bias: Any, mask: Array | None) -> Outcome:
         if plan.method == "general":
-            network = Network(plan, x, u, bias, mask)
+            network = ReferenceNetwork(plan, x, u, bias, mask)
             if plan.cell == "discrete-time":
-                return driver.run(plan, DiscreteSteps(network))
-            return adaptive.general(network) if plan.scheme is None else driver.run(plan, TermSteps(network))
+                return driver.run(plan, ReferenceDiscreteSteps(network))
+            return adaptive.general(network) if plan.scheme is None else driver.run(plan, ReferenceTermSteps(network))
         w, free = control(plan, x, u, bias), np.ones(x.shape, dtype=bool) if mask is None else ~mask
         if plan.method == "closed form":
             return closed_form(plan, x, w, free)
         if plan.method == "adaptive":
             return adaptive.linear(plan, x, w, free)
-        return driver.run(plan, LinearSteps(plan, x, w, free))
+        return driver.run(plan, ReferenceLinearSteps(plan, x, w, free))
 
     def cellwise(self, operation: Cellwise, planes: Sequence[Array], parameters: Sequence[float]) -> tuple[Array, ...]:
         return operation.array(*planes, *parameters)

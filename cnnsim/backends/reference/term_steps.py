@@ -5,14 +5,14 @@ from collections import deque
 import numpy as np
 
 from cnnsim.backends.base import Check, Stepper
-from cnnsim.backends.reference.terms import Network
+from cnnsim.backends.reference.terms import ReferenceNetwork
 from cnnsim.support import Array
 
 
-class TermSteps(Stepper):
+class ReferenceTermSteps(Stepper):
     """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: ReferenceNetwork) -> None:
         plan = network.plan
         assert plan.scheme is not None
         self._network, self._scheme, self._x = network, plan.scheme, network.x
@@ -49,10 +49,10 @@ class TermSteps(Stepper):
         return self._x
 
 
-class DiscreteSteps(Stepper):
+class ReferenceDiscreteSteps(Stepper):
     """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: ReferenceNetwork) -> None:
         self._network, self._f = network, network.plan.characteristic
         self.work = network.work
         self._y = self._before = np.where(network.free, self._f(network.x), network.x)

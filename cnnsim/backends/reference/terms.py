@@ -45,7 +45,7 @@ def add_term(total: Array, term: Term, own: int, lookup: Lookup, boundary: Bound
         total += weight * (f if times is None else f * value(times, k, l))
 
 
-class Network:
+class ReferenceNetwork:
     """The planes of a run, its past states and the drive of each layer; ``u`` and ``bias`` may be `Frames`."""
 
     def __init__(self, plan: Plan, x: Array, u: Any, bias: Any, mask: Array | None) -> None:

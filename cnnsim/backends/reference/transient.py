@@ -11,7 +11,7 @@ from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
 
-class LinearSteps(Stepper):
+class ReferenceLinearSteps(Stepper):
     """Steps of a linear template; in the full-range model every stage ends within +-1."""
 
     def __init__(self, plan: Plan, x: Array, w: Array, free: Array) -> None:

@@ -8,7 +8,7 @@ import pytest
 from cnnsim import Template
 from cnnsim.backends import get
 from cnnsim.backends.driver import run
-from cnnsim.backends.reference.transient import LinearSteps
+from cnnsim.backends.reference.transient import ReferenceLinearSteps
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.planning.plan import make_plan
 from cnnsim.planning.scheme import SCHEMES, Scheme
@@ -33,7 +33,7 @@ def both(
     plan = make_plan(template, shape, boundary, step=0.1, **choices)
     w = np.full_like(x, template.z)
     found = where.transient(plan, where.load(x, "lam"), None, None, where.load(~free, "llm") if masked else None)
-    return found, run(plan, LinearSteps(plan, x, w, free))
+    return found, run(plan, ReferenceLinearSteps(plan, x, w, free))
 
 
 @pytest.mark.parametrize("boundary", [fixed(0.25), ZERO_FLUX, PERIODIC], ids=str)

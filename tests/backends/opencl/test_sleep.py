@@ -7,7 +7,7 @@ import pyopencl as cl
 import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
-from cnnsim.backends.opencl.linear_steps import LinearSteps
+from cnnsim.backends.opencl.linear_steps import DeviceLinearSteps
 from cnnsim.task import make_task
 from tests.kits.opencl import OpenCLBackend
 
@@ -54,7 +54,7 @@ def test_masked_tiles_that_read_far_sleep_and_wake_up() -> None:
 
 def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(monkeypatch: pytest.MonkeyPatch) -> None:
     entry, backend, seen = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), list[Any]()
-    steps = LinearSteps.advance
+    steps = DeviceLinearSteps.advance
 
     def advance(self: Any, step: int, count: int) -> None:
         steps(self, step, count)
@@ -62,7 +62,7 @@ def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(monkeypa
         cl.enqueue_copy(self._context.queue, found, self._moved[(self._launches - 1) % 2])
         seen.append(found)
 
-    monkeypatch.setattr(LinearSteps, "advance", advance)
+    monkeypatch.setattr(DeviceLinearSteps, "advance", advance)
     picture = np.full((2, 150, 265), -1.0)
     picture[0] = 1  # nothing can change in this grid, and in the other a wave goes through all
     planes: dict[str, Any] = {k: np.broadcast_to(plane, picture.shape) for k, plane in entry.planes(picture).items()}

@@ -11,7 +11,7 @@ from cnnsim import PERIODIC, ZERO_FLUX, InputError, Template, fixed
 from cnnsim.backends import get, slices
 from cnnsim.backends.opencl import tiles as opencl_tiles
 from cnnsim.backends.opencl.device.context import DeviceContext
-from cnnsim.backends.opencl.linear_steps import LinearSteps
+from cnnsim.backends.opencl.linear_steps import DeviceLinearSteps
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.opencl.tiles import cut
 from cnnsim.planning.plan import make_plan
@@ -68,7 +68,7 @@ def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPa
     for name, value in {"FIRST": 1, "SLICE": 1e-9, "PIECE": 1e6}.items():
         monkeypatch.setattr(slices, name, value)
     asked, counts = list[int](), list[int]()
-    steps, waits = LinearSteps.advance, DeviceContext.pieces
+    steps, waits = DeviceLinearSteps.advance, DeviceContext.pieces
 
     def advance(self: Any, step: int, count: int) -> None:
         asked.append(count)
@@ -79,7 +79,7 @@ def test_steps_stay_together_however_long_they_take(monkeypatch: pytest.MonkeyPa
         counts.append(len(found))
         return iter(found)
 
-    monkeypatch.setattr(LinearSteps, "advance", advance)
+    monkeypatch.setattr(DeviceLinearSteps, "advance", advance)
     monkeypatch.setattr(DeviceContext, "pieces", pieces)
     rng = np.random.default_rng(2)  # the same kernel as in the test of the same bits
     x, mask = rng.uniform(-1, 1, (70, 1100)), rng.uniform(-1, 0.3, (70, 1100))

@@ -6,7 +6,7 @@ first, 2 to 3 depths away; a layer of 1 to 2 depths; a ball with a contact radiu
 16 x 16 taxels, half a depth to two depths apart, or with ``--lines`` lines of 4 to 12; strain and stress; noise of 1e-6
 to 3e-2 of the largest signal, known or not. Printed are, of the loads that are INSIDE: the part beyond 5 of their own
 standard deviations, the parts of places within 1 and 2, and the median ratio of the error to the Cramer-Rao bound over
-its value for a normal distribution. Signals are summed here, by eqs (1) and (10).
+its value for a normal distribution. TaxelSignals are summed here, by eqs (1) and (10).
 """
 
 import argparse
