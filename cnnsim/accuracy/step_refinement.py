@@ -108,7 +108,7 @@ def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> S
 
 
 def decide_signs(problem: TransientProblem, where: Backend, expected: Array) -> Solution:
-    """Solve a transient for its signs; undecided are those that a small change of the start or a longer step turns.
+    """Solve a transient for its signs. A sign is undecided if a small change of the start or a longer step turns it.
 
     The changes are about the errors of the steps. If the first changed start leads to the ``expected`` signs, that run
     is the solution; else a run by half the step is, and further starts follow until two in a row turn no other cell.

@@ -1,7 +1,7 @@
 // One step of a block of R = 4 rows, STRIDE apart in local memory, for the tiles of cpu.cl. Comes after sleep.cl.
 
 #define VEC(type, at) (*(type vec *)(at))
-// So many columns, in whole vectors: rows begin at aligned places.
+// Number of columns in whole vectors, so that rows are aligned.
 #define EVEN(columns) (((columns) + V - 1) / V * V)
 #define R 4 // as many chains of sums as keep a core busy
 #define EACH_ROW(DO) DO(0) DO(1) DO(2) DO(3)

@@ -4,7 +4,7 @@
 // level t holds the state after t steps and follows level t - 1 by RADIUS rows, which is all that it reads. Each level
 // replaces what the one before it left, which is in the first-level cache: the states in place, and the outputs RADIUS
 // rows further up, in rows that this level reads no more. Of a level's outputs the last 2 RADIUS rows remain, which the
-// next R rows need. Beside its columns a tile holds HALO of its neighbours', and it computes rows above and below its
+// next R rows need. In addition to its columns a tile holds HALO of its neighbours', and it computes rows above and below its
 // band, so that nothing is exchanged within a launch; where the grid ends, the virtual cells are set at every level.
 //
 // `scratch` holds rows STRIDE apart: `live` + T * RADIUS rows of outputs, and `live` rows each of states, of drives w and,
