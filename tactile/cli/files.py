@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from cnnsim.support.command_line import examples, watched
-from cnnsim.support.files import check_name, write_text
+from cnnsim.support.files import check_free, check_name, write_text
 from cnnsim.support.terminal import echo
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 from tactile.cli.options import FILE
@@ -16,19 +16,35 @@ from tactile.cli.options import FILE
         "tactile new scene my-touch", "tactile run my-touch.toml",
         "tactile new array my-skin -o skins/", "tactile emulate --array skins/my-skin.toml --scene my-touch.toml",
         "tactile new detector my-events", "tactile run my-touch.toml --program my-events.toml",
+        "tactile new firmware --array skins/my-skin.toml",
     )
 )  # fmt: skip
-@click.argument("kind", type=click.Choice(["scene", "array", "detector"]))
-@click.argument("name")
+@click.argument("kind", type=click.Choice(["scene", "array", "detector", "firmware"]))
+@click.argument("name", required=False)
+@click.option("--array", "-a", type=FILE, help="Array description (TOML) of the board; of a firmware.")
+@click.option(
+    "--rate-hz", type=click.IntRange(1, 100_000), help="Frames per second of each array; of a firmware [100]."
+)
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=Path(), show_default=".",
               help="Folder for it.")  # fmt: skip
 @click.option("--replace", is_flag=True, help="Overwrite an existing file.")
-def new(kind: str, name: str, output: Path, replace: bool) -> None:
-    """Write a commented file NAME.toml, which runs as it is.
+def new(
+    kind: str, name: str | None, array: Path | None, rate_hz: int | None, output: Path, replace: bool
+) -> None:  # fmt: skip
+    """Write a commented file NAME.toml, which runs as it is, or the firmware of a board.
 
     A scene is what touches simulated fingers; an array describes a device on a port; a
-    detector is a program whose planes mean events.
+    detector is a program whose planes mean events. A firmware is a folder NAME (that of
+    the array file unless given) with an Arduino sketch and a CircuitPython file for the
+    board that --array describes.
     """
+    if kind == "firmware":
+        _new_firmware(name, array, rate_hz, output, replace)
+        return
+    if name is None:
+        raise click.UsageError(f"NAME of the {kind} wanted")
+    if (array, rate_hz) != (None, None):
+        raise click.UsageError(f"--array and --rate-hz belong to a firmware, not to a {kind}")
     path = output / f"{check_name(name, kind)}.toml"
     write_text(
         path, {"scene": SCENE, "array": ARRAY, "detector": DETECTOR}[kind].replace("NAME", name), replace=replace
@@ -41,6 +57,23 @@ def new(kind: str, name: str, output: Path, replace: bool) -> None:
     else:
         echo(f"to read a board: tactile live -p PORT -a {path}; PORT is one of `tactile ports`")
         echo(f"without one: tactile emulate --array {path} --scene SCENE.toml prints a port")
+
+
+def _new_firmware(name: str | None, array: Path | None, rate: int | None, output: Path, replace: bool) -> None:
+    """Write the files of a firmware into a folder of its name, which the Arduino program wants."""
+    from tactile.wire.description_file import read_description  # NumPy is slow to import
+    from tactile.wire.firmware import RATE, firmware  # the same
+
+    if array is None:
+        raise click.UsageError("--array FILE of the board wanted")
+    files = firmware(read_description(array), check_name(name or array.stem, "firmware"), rate or RATE)
+    folder = output / (name or array.stem)
+    check_free(*(folder / file for file in files), replace=replace)
+    for file, text in files.items():
+        write_text(folder / file, text, replace=replace)
+    echo(f"-> {folder}/: {', '.join(files)}")
+    echo("fill in read_taxels of the sketch (Arduino) or of code.py (CircuitPython), and load it into the board")
+    echo(f"to read it: tactile live -p PORT -a {array}; PORT is one of `tactile ports`")
 
 
 @click.command(
