@@ -15,6 +15,7 @@ from cnnsim.support.exclusive_file import lock, open_shut
 from cnnsim.support.terminal import echo
 from tactile.cli.options import ARRAY, FILE, JSON, PROTOCOL, chosen_description, write_new_text
 from tactile.cli.port.console import be_steady, ends_at_once, stopping
+from tactile.core.source import report_damage
 from tactile.sources import open_source
 
 if TYPE_CHECKING:
@@ -81,6 +82,7 @@ def emulate(
         from tactile.recording.reader import open_recording  # the same
 
         recorded = open_recording(recording)
+        report_damage(recording, recorded.mark)
         if not lock(kept.enter_context(open_shut(recording)), shared=True):
             raise InputError(f"{recording}: still being recorded; a closed recording wanted")
         description = recorded.description

@@ -11,10 +11,11 @@ from cnnsim.support.terminal import echo, say
 from tactile.calibration.live_tare import TareMode
 from tactile.cli.opened import RunChoices, gains_of, open_for_run
 from tactile.cli.options import FILE, JSON, TareChoice, check_thresholds, detection
-from tactile.core.source import Source, with_frames
+from tactile.core.source import Source, provenance, with_frames
 from tactile.settings import PipelineOptions
 from tactile.sources import is_folder_of_recordings
-from tactile.wire.base import Counts
+from tactile.wire.reading import Counts
+from tactile.wire.source import WireSource
 
 
 @click.command(
@@ -79,7 +80,8 @@ def run(
     for line in opened.notes:
         say(f"note: {line}", err=True)
     pipeline.warm_up(frames.arrays, frames.modulus, settings)  # else the first latencies are the compiler's
-    truth = truth_of(frames)
+    truth, known = truth_of(frames), provenance(frames)
+    damage = {"damage": known.damage} if known.damage else {}
     collected = Collected(truth)
     unread = InvalidReadings(frames.arrays)
     seen = watched(unread.through(frames), "touch", frames.frames)
@@ -90,7 +92,7 @@ def run(
         with RunRecord(
             output,
             frames.arrays,
-            {"source": source.name, "title": frames.title, "settings": settings_data(settings)},
+            {"source": source.name, "title": frames.title, **damage, "settings": settings_data(settings)},
             truth,
             parquet=parquet,
         ) as record:
@@ -133,4 +135,6 @@ def _left_on_the_wire(source: Source) -> list[str]:
     if counts is None or not (counts.unfit or not counts.good):
         return []
     shapes = ", ".join(f"{array.name} {array.rows} x {array.cols}" for array in source.arrays)
-    return [f"bytes of the wire: {counts}; described are {shapes}"]
+    unfit = source.decoder.unfit if isinstance(source, WireSource) else ""
+    found = f"found are {unfit}; " if unfit else ""
+    return [f"bytes of the wire: {counts}; {found}described are {shapes}"]

@@ -12,7 +12,7 @@ from cnnsim.support.extras import need
 from cnnsim.support.terminal import echo, say_table
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
-from tactile.core.source import with_frames
+from tactile.core.source import provenance, with_frames
 from tactile.events.event import Event, EventLog
 from tactile.output.event_table import TOLD, UNITS, event_row, write_events
 from tactile.output.invalid_readings import InvalidReadings
@@ -103,7 +103,7 @@ def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[st
         "fingers": {array.name: UNITS[array.quantity] for array in opened.source.arrays},
         **settings_data(opened.settings),
         "events": dict(Counter(row["kind"] for row in rows)),
-        "notes": [*opened.notes, *filter(None, [opened.forces])], "unread": unread.lines,
+        "notes": [*opened.notes, *filter(None, [provenance(source).damage, opened.forces])], "unread": unread.lines,
     }  # fmt: skip
 
 

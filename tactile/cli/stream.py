@@ -25,6 +25,7 @@ from tactile.cli.options import (
     new_mcap,
 )
 from tactile.cli.port import console
+from tactile.core.source import damage_text, report_damage
 from tactile.settings import PipelineOptions
 
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
@@ -142,6 +143,7 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
     from tactile.wire.source import WireSource  # the same
 
     recorded = open_recording(recording)
+    report_damage(recording, recorded.mark)
     if not recorded.has_wire:
         raise InputError(f"{recording}: holds no bytes of a wire; `tactile run {recording}` takes its frames")
     check_thresholds(chosen)
@@ -156,8 +158,8 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
     monitor = LiveMonitor(source, say)
     monitor.run(options)
     if as_json:
-        console.print_line(monitor.status() | {"type": "end", "complete": recorded.complete, "state": recorded.state})
+        console.print_line(monitor.status() | {"type": "end", "complete": recorded.complete, "state": recorded.mark})
         return
     echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {source.counts}")
-    if recorded.state:
-        echo(f"{recording}: {recorded.state}")
+    if recorded.mark:
+        echo(damage_text(recording, recorded.mark))

@@ -9,6 +9,7 @@ CSV stores it in comment lines, NPZ in the array ``tactile``, Parquet in its met
     untared = true                         (readings contain device offsets; optional)
     array_description = "..."              (text of the device's array description; optional)
     live_choices = "..."                   (options of the live run, as JSON; optional)
+    damage = "..."                         (the damaged recording from which the frames come; optional)
     [[finger]]
     name = "left"
     rows = 2
@@ -32,7 +33,7 @@ from tactile.core.source import FrameStream, Provenance, Source, provenance
 
 TOP_KEYS = (
     "tactile_recording", "title", "youngs_modulus_pa", "start_ns", "untared", "array_description", "live_choices",
-    "finger",
+    "damage", "finger",
 )  # fmt: skip
 FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "thickness_m", "origin_m", "quantity", "calibrated")
 NEEDED = ("name", "rows", "cols", "pitch_m", "depth_m", "quantity")
@@ -72,6 +73,8 @@ def header_text(source: Source) -> str:
         top["array_description"] = known.description
     if known.choices:
         top["live_choices"] = known.choices
+    if known.damage:
+        top["damage"] = known.damage
     raw = {name: {"calibrated": False} for name in known.uncalibrated}
     return toml_text(top, (array_table(array, "m") | raw.get(array.name, {}) for array in source.arrays))
 
@@ -101,8 +104,8 @@ def read_header(text: str, where: str, place: str = "") -> RecordingHeader:
     if not names or len(set(names)) < len(names):
         raise InputError(f"{where}: fingers {names}, at least one [[finger]] and no name twice wanted")
     start = take(table, "start_ns", int, where) if "start_ns" in table else None
-    text, choices = (take(table, key, str, where, "") for key in ("array_description", "live_choices"))
-    known = Provenance(_flag(table, "untared", where, False), tuple(raw), start, text, choices)
+    texts = (take(table, key, str, where, "") for key in ("array_description", "live_choices", "damage"))
+    known = Provenance(_flag(table, "untared", where, False), tuple(raw), start, *texts)
     return RecordingHeader(take(table, "title", str, where, ""), modulus, tuple(arrays), known)
 
 

@@ -3,8 +3,10 @@
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Protocol
 
+from cnnsim.support.notices import Notices
 from tactile.core.frame import Frame, TaxelArray
 
 
@@ -34,7 +36,8 @@ class Provenance:
     ``untared``: the readings contain device offsets, so a tare is needed; ``uncalibrated``: names of the fingers whose
     readings are in the unit of the wire, not of their quantity; ``start_ns``: Unix time [ns] at which ``Frame.t`` is 0,
     None if unknown; ``description``: text of the array description of the device; ``choices``: options of the live run
-    that recorded it, as JSON; both empty without one.
+    that recorded it, as JSON; both empty without one; ``damage``: the name of the damaged recording from which the
+    frames come and what is damaged, empty if it is complete.
     """
 
     untared: bool = False
@@ -42,12 +45,31 @@ class Provenance:
     start_ns: int | None = None
     description: str = ""
     choices: str = ""
+    damage: str = ""
 
 
 def provenance(source: Source) -> Provenance:
     """Return the provenance of a source, the default if it has none."""
     said = getattr(source, "provenance", None)
     return said if isinstance(said, Provenance) else Provenance()
+
+
+UNCLOSED = "not closed in good order: it ends where its writer was stopped"
+"""Damage of a recording whose writer was stopped."""
+
+
+def damage_text(path: Path, damage: str) -> str:
+    """Return a line on the ``damage`` of a recording or of its original, with what helps; empty without damage."""
+    if not damage.startswith(f"{path.name}: "):
+        return damage and f"{path.name}: made from {damage}"
+    helps = f"; `tactile convert {path.name} whole.mcap` makes one that every viewer can index"
+    return damage + helps * (damage == f"{path.name}: {UNCLOSED}")
+
+
+def report_damage(path: Path, damage: str) -> None:
+    """Give a notice if a recording, or the recording of which it is a copy, is damaged."""
+    if damage:
+        Notices.say(f"note: {damage_text(path, damage)}")
 
 
 @dataclass(frozen=True)

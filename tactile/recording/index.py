@@ -10,7 +10,7 @@ from mcap.writer import CompressionType, Writer
 from tactile.core.epoch import Epoch
 from tactile.core.header import header_text
 from tactile.core.source import Source, provenance
-from tactile.recording.reader import FRAMES, open_recording
+from tactile.recording.reader import COPIED, FRAMES, open_recording
 from tactile.recording.records import records
 from tactile.recording.writer import Recording
 from tactile.wire.description_file import parse_description
@@ -18,13 +18,13 @@ from tactile.wire.packets import emulated_description
 
 
 def write_indexed(source: Path, target: Path) -> None:
-    """Copy a recording, complete or damaged, record by record into the compressed form.
+    """Copy a recording record by record into the compressed form; the copy of a damaged one has the mark of it.
 
     Raises:
         InputError: ``source`` is no recording.
         OSError: ``target`` cannot be written.
     """
-    open_recording(source)
+    mark = open_recording(source).mark
     with target.open("xb") as file:
         writer = Writer(file, compression=CompressionType.ZSTD, enable_data_crcs=True)
         writer.start("", f"cellular-wave-touch {version('cellular-wave-touch')}")
@@ -34,9 +34,12 @@ def write_indexed(source: Path, target: Path) -> None:
                 channel = channels[record.channel_id]
                 writer.add_message(channel, record.log_time, record.data, record.publish_time, record.sequence)
             elif isinstance(record, Metadata):
-                writer.add_metadata(record.name, record.metadata)
+                if record.name != COPIED:
+                    writer.add_metadata(record.name, record.metadata)
             elif isinstance(record, Attachment):
                 writer.add_attachment(record.create_time, record.log_time, record.name, record.media_type, record.data)
+        if mark:
+            writer.add_metadata(COPIED, {"mark": mark})
         writer.finish()  # type: ignore[no-untyped-call]  # the library left its types out
 
 

@@ -15,15 +15,17 @@ from mcap.records import Attachment, Channel, Message, Metadata
 from cnnsim.support import InputError
 from tactile.core.frame import Frame
 from tactile.core.header import RecordingHeader, read_header
-from tactile.core.source import Provenance
+from tactile.core.source import UNCLOSED, Provenance
 from tactile.recording import schema
 from tactile.recording.records import Closed, Damage, records
 from tactile.wire.description import Description
 from tactile.wire.description_file import parse_description
-from tactile.wire.source import DAMAGED, Chunk, WireSource
+from tactile.wire.source import DAMAGED, Chunk, Repeated, WireSource
 
 FRAMES = "frames"
 """Metadata entry with the header of frames without wire bytes."""
+COPIED = "copied"
+"""Metadata entry of a copy of a damaged recording: its ``mark``."""
 FIRST = 4
 """Frames per finger that are checked against the header when a recording is opened."""
 
@@ -34,7 +36,7 @@ class Recorded:
 
     ``made``: settings it was made with; ``start`` [ns] Unix time at which times are 0; ``counts``: the counters, None
     if it was not closed; ``damage``: descriptions of unreadable parts; ``complete``: it was closed and every checksum
-    is right; ``topics`` of the channels.
+    is right; ``topics`` of the channels; ``copied``: of a copy, the `mark` of its damaged original.
     """
 
     path: Path
@@ -46,6 +48,7 @@ class Recorded:
     complete: bool = False
     messages: dict[str, int] = field(default_factory=dict)
     topics: dict[int, str] = field(default_factory=dict)
+    copied: str = ""
 
     @property
     def has_wire(self) -> bool:
@@ -54,14 +57,18 @@ class Recorded:
 
     @property
     def state(self) -> str:
-        """One line about what is wrong with it and what helps; empty if it is complete."""
+        """One line about what is wrong with it; empty if it is complete."""
         if self.damage:
-            more = f", and {len(self.damage) - 1} places more" if len(self.damage) > 1 else ""
+            more = f", and {len(self.damage) - 1} more of this kind" if len(self.damage) > 1 else ""
             return f"damaged: {self.damage[0]}{more}; only parts with a right checksum are used"
         if not self.complete:
-            whole = f"`tactile convert {self.path.name} whole.mcap` makes one that every viewer can index"
-            return f"not closed in good order: it ends where its writer was stopped; {whole}"
+            return UNCLOSED
         return ""
+
+    @property
+    def mark(self) -> str:
+        """Names of this and of the copied recording with their `state`, for its copies; empty if both are complete."""
+        return "; ".join(filter(None, (f"{self.path.name}: {self.state}" if self.state else "", self.copied)))
 
     def chunks(self) -> Iterator[Chunk]:
         """Yield the chunks of wire bytes as recorded, with a mark where some are missing."""
@@ -99,14 +106,11 @@ class Recorded:
 
     def source(self) -> "WireSource | StoredSource":
         """Return the frames before their tare as a ``Source``, decoded from the wire bytes if there are any."""
-        notes = (f"{self.path.name}: {self.state}",) if self.state else ()
         if not self.has_wire:
-            stored = StoredSource(self)
-            stored.notes = notes
-            return stored
-        source = WireSource(self.description, self.chunks())
-        source.notes = notes
-        source.provenance = replace(source.provenance, start_ns=self.start, choices=self.made.get("choices", ""))
+            return StoredSource(self)
+        source = WireSource(self.description, Repeated(self.chunks))
+        choices = self.made.get("choices", "")
+        source.provenance = replace(source.provenance, start_ns=self.start, choices=choices, damage=self.mark)
         return source
 
     def _topic(self, record: Any) -> str:
@@ -115,13 +119,11 @@ class Recorded:
 
 
 class StoredSource:
-    """The stored frames of a recording without wire bytes, as a ``Source``; ``notes``: warnings about it.
+    """The stored frames of a recording without wire bytes, as a ``Source``.
 
     Raises:
         InputError: its header does not fit its first frames; iteration raises it for later frames.
     """
-
-    notes: tuple[str, ...] = ()
 
     def __init__(self, recorded: Recorded) -> None:
         self._recorded = recorded
@@ -129,7 +131,8 @@ class StoredSource:
         header = RecordingHeader(description.title, description.modulus, description.arrays, Provenance())
         if FRAMES in recorded.made:
             header = read_header(recorded.made[FRAMES], str(recorded.path), "metadata frames")
-        self.title, self.modulus, self.arrays, self.provenance = header
+        self.title, self.modulus, self.arrays, known = header
+        self.provenance = replace(known, damage="; ".join(filter(None, (recorded.mark, known.damage))))
         self.frames: int | None = sum(n for topic, n in recorded.messages.items() if topic.startswith("/frames/"))
         for _ in islice(self, FIRST * len(self.arrays)):  # before memory is allocated for the header's sizes
             pass
@@ -165,7 +168,7 @@ def open_recording(path: Path) -> Recorded:
             damaged header.
     """
     made: dict[str, str] = {}
-    counts, data, closed = None, None, False
+    counts, data, closed, copied = None, None, False, ""
     topics: dict[int, str] = {}
     numbers: dict[int, int] = {}
     damage = []
@@ -176,6 +179,8 @@ def open_recording(path: Path) -> Recorded:
             topics.setdefault(record.id, record.topic)
         elif isinstance(record, Metadata) and record.name == "tactile":
             made = made or record.metadata
+        elif isinstance(record, Metadata) and record.name == COPIED:
+            copied = copied or record.metadata.get("mark", "")
         elif isinstance(record, Metadata) and record.name == "counts":
             with readable(path):
                 counts = {name: json.loads(value) for name, value in record.metadata.items()}
@@ -193,7 +198,7 @@ def open_recording(path: Path) -> Recorded:
     messages = {topics[number]: count for number, count in numbers.items() if number in topics}
     description = parse_description(text, f"{path}: array.toml")
     whole = closed and not damage
-    return Recorded(path, description, made, start, counts, tuple(damage), whole, messages, topics)
+    return Recorded(path, description, made, start, counts, tuple(damage), whole, messages, topics, copied)
 
 
 def read_mcap(path: Path) -> "WireSource | StoredSource":

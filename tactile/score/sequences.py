@@ -15,8 +15,8 @@ from tactile.core.source import FrameStream, Provenance
 from tactile.events.event import EventLog
 from tactile.settings import Settings
 from tactile.wire.arrange import Arrange
-from tactile.wire.base import Reading
 from tactile.wire.description import Description
+from tactile.wire.reading import Reading
 
 KINDS = ("pull", "twist", "slip", "incipient_slip")
 """Kinds of events that mean that a held object moves against the skin, or is about to."""

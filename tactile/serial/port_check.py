@@ -4,9 +4,8 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from tactile.wire.base import Counts
 from tactile.wire.description import Description
-from tactile.wire.source import PLUGGED, Chunk
+from tactile.wire.source import PLUGGED, Chunk, WireSource
 
 PATIENCE = 2.5
 """[s] Time before the first warning."""
@@ -17,20 +16,20 @@ STRAY = 0.2
 class PortCheck:
     """Watches the bytes of a port. ``trouble`` is the present warning; `say` receives each warning once.
 
-    ``counts`` returns the counters of the decoder.
+    ``source`` returns the source that decodes its bytes.
     """
 
     def __init__(
-        self, port: str, description: Description, counts: Callable[[], Counts], say: Callable[[str], None]
+        self, port: str, description: Description, source: Callable[[], WireSource], say: Callable[[str], None]
     ) -> None:
         self.trouble = ""
-        self._port, self._description, self._counts, self._say = port, description, counts, say
+        self._port, self._description, self._source, self._say = port, description, source, say
         self._begin()
 
     def _begin(self) -> None:
         self._came = 0
         self._since = self._last = time.monotonic()
-        self._before = replace(self._counts())
+        self._before = replace(self._source().counts)
 
     def see(self, chunk: Chunk) -> None:
         """Register a chunk on its way to the decoder."""
@@ -51,7 +50,7 @@ class PortCheck:
         self.trouble = trouble
 
     def _found(self, now: float, over: bool) -> str:
-        counts, wire = self._counts(), self._description.wire
+        counts, wire = self._source().counts, self._description.wire
         good, unfit, stray = (
             getattr(counts, name) - getattr(self._before, name) for name in ("good", "unfit", "resynchronised")
         )
@@ -64,7 +63,8 @@ class PortCheck:
             return f"port {self._port} is open, but nothing has come for {now - self._last:.0f} s"
         shapes = ", ".join(f"{rows} x {cols}" for rows, cols in self._description.options.shapes)
         if unfit > good:
-            return f"{unfit} whole frames of {wire.name} are of another shape than described ({shapes} taxels)"
+            found = self._source().decoder.unfit
+            return f"{unfit} whole frames of {wire.name} are of another shape than described ({shapes} taxels): {found}"
         if not good:
             return (
                 f"{self._came} bytes came and no frame of {wire.name} in them: another protocol, baud rate"

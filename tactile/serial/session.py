@@ -11,8 +11,8 @@ from tactile.recording.writer import Recording
 from tactile.serial.port_check import PortCheck
 from tactile.serial.reader import PortReader
 from tactile.serial.ring import Ring
-from tactile.wire.base import Counts
 from tactile.wire.description import Description
+from tactile.wire.reading import Counts
 from tactile.wire.source import Chunk, WireSource
 
 NAP = 0.1
@@ -50,8 +50,8 @@ class Session:
                 self.reader.close()
                 raise
         self._until = float("inf") if seconds is None else time.monotonic() + seconds
-        self.source = WireSource(description, self._chunks(), None if self.recording is None else self._keep)
-        self.check = PortCheck(port, description, lambda: self.source.counts, warn)
+        self.source = WireSource(description, self._chunks(), None if self.recording is None else self._keep, warn)
+        self.check = PortCheck(port, description, lambda: self.source, warn)
 
     @property
     def counts(self) -> Counts:

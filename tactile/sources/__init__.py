@@ -5,7 +5,7 @@ from pathlib import Path
 from cnnsim.support import InputError
 from cnnsim.support.extras import need
 from cnnsim.support.files import named_file
-from tactile.core.source import Source
+from tactile.core.source import Source, provenance, report_damage
 
 BAG = ("tactile.sources.replay_rosbag", "read_bag", "a ROS bag")
 READERS = {
@@ -27,7 +27,7 @@ KINDS = tuple(READERS)
 def open_source(path: Path | str) -> Source:
     """Return the source in a file: a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag.
 
-    A ROS bag is a .bag file, a .db3 file or the folder of a ROS 2 bag.
+    A ROS bag is a .bag file, a .db3 file or the folder of a ROS 2 bag. A damaged recording gives a notice.
 
     Raises:
         InputError: no path; a missing file, an unknown suffix, or invalid contents.
@@ -42,6 +42,7 @@ def open_source(path: Path | str) -> Source:
         raise InputError(f"{path}: suffix {path.suffix!r}, a scene or recording in {', '.join(KINDS)} wanted")
     module, read, what = READERS[suffix]
     source: Source = getattr(need(module, what), read)(path)
+    report_damage(path, provenance(source).damage)
     return source
 
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from tactile.core.frame import Frame
-from tactile.wire.base import Reading, Taxels
 from tactile.wire.description import Board, Description
+from tactile.wire.reading import Reading, Taxels
 
 NOTHING = np.full((1, 3), np.nan)
 """Reading of a cell without a chip."""

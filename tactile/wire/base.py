@@ -6,61 +6,11 @@ first byte that settles it, and is final.
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
-from cnnsim.support import Floats
-
-NEXT = 1024
-"""Largest difference of sequence numbers that counts as lost frames: a second of frames."""
-Taxels = Floats
-"""(taxels, 3): readings in the device's order and unit, last axis (x, y, z) of the device."""
-
-
-@dataclass
-class Counts:
-    """Counters of a stream.
-
-    ``good`` frames; ``bad_checksum`` frames that began but had no valid end; ``resynchronised`` bytes outside frames;
-    ``missing`` frames by sequence number; ``missing_by_rate`` an estimate for frames without a number; ``repeated``
-    frames, which are dropped; ``unfit`` complete frames of another shape than described; ``late`` frames more than
-    `clock.LATE` behind the line of the device clock; ``overflowed`` bytes dropped by a full queue.
-    """
-
-    good: int = 0
-    bad_checksum: int = 0
-    resynchronised: int = 0
-    missing: int = 0
-    missing_by_rate: int = 0
-    repeated: int = 0
-    unfit: int = 0
-    late: int = 0
-    overflowed: int = 0
-
-    def plain(self) -> dict[str, int]:
-        """Return the counters by name."""
-        return asdict(self)
-
-    def __str__(self) -> str:
-        return ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in self.plain().items())
-
-
-@dataclass(frozen=True)
-class Reading:
-    """One decoded frame.
-
-    ``values`` (taxels, 3); ``device`` number of the board on this wire, None if one frame has all of them in order;
-    ``sequence`` number of the device, None without one; ``t_device`` [s], NaN without a device clock; ``end`` position
-    in the stream after this frame; ``checked`` whether a CRC protects the frame, so that its sequence number can be
-    trusted.
-    """
-
-    values: Taxels
-    end: int
-    device: int | None = None
-    sequence: int | None = None
-    t_device: float = float("nan")
-    checked: bool = True
+from tactile.wire.reading import Counts, Reading, Taxels
+from tactile.wire.sequence import SequenceCheck
 
 
 @dataclass(frozen=True)
@@ -73,14 +23,17 @@ class Found:
 
 
 class Decoder(ABC):
-    """Bytes in, readings out. A format implements `_next`, which finds the next item in ``self._buffer``."""
+    """Bytes in, readings out. A format implements `_next`, which finds the next item in ``self._buffer``.
+
+    ``trouble``: a warning about the device, if any; ``unfit``: shape of the last complete frame of another shape.
+    """
 
     def __init__(self) -> None:
         self.counts = Counts()
         self._buffer = bytearray()
         self._begin = 0  # the place of buffer[0] in the stream
-        self._last: dict[int | None, int] = {}
-        self._leapt: dict[int | None, int] = {}  # a number that leapt in a frame without a checksum
+        self.trouble = self.unfit = ""
+        self._checks: dict[int | None, SequenceCheck] = {}
 
     def feed(self, data: bytes) -> list[Reading]:
         """Append bytes of the stream, cut anywhere, and return the readings that they complete."""
@@ -112,9 +65,9 @@ class Decoder(ABC):
             if found.length:
                 del self._buffer[: found.length]
                 self._begin += found.length
-            if found.reading is not None and self._is_new(found.reading):
+            if found.reading is not None and (reading := self._new(found.reading)) is not None:
                 self.counts.good += 1
-                readings.append(found.reading)
+                readings.append(reading)
         return readings
 
     def _drop(self, count: int) -> None:
@@ -122,44 +75,23 @@ class Decoder(ABC):
         self._begin += count
         del self._buffer[:count]
 
-    def _is_new(self, reading: Reading) -> bool:
-        """Count by sequence number; a step back or of over half the range is a restarted device."""
+    def _new(self, reading: Reading) -> Reading | None:
+        """Return the reading if its sequence number is new or stands still."""
         if reading.sequence is None:
-            return True
-        if reading.device not in self._last:
-            self._last[reading.device] = reading.sequence
-            return True
-        step = (reading.sequence - self._last[reading.device]) % 2**32
-        if step == 0 or reading.sequence == self._leapt.get(reading.device):
-            self.counts.repeated += 1
-            return False
-        if step == 1 or reading.checked:
-            self._believe(reading.device, reading.sequence, step)
-        else:
-            self._weigh(reading.device, reading.sequence, step)
-        return True
+            return reading
+        check = self._checks.get(reading.device) or self._checks.setdefault(reading.device, SequenceCheck(self.counts))
+        found = check(reading)
+        if check.still:
+            self.trouble = (
+                f"the sequence number stands still at {reading.sequence}: frames are kept without it, and the missing"
+                " ones are estimated from the rate"
+            )
+        return found
 
-    def _weigh(self, device: int | None, sequence: int, step: int) -> None:
-        """Accept a jump of an unprotected sequence number when the next frame continues from it.
-
-        If the next frame continues from the number before, the jump was a corrupted number.
-        """
-        doubted = self._leapt.get(device)
-        if doubted is None:
-            self._leapt[device] = sequence
-        elif step < NEXT:
-            self._believe(device, sequence, step - 1)
-        elif (onward := (sequence - doubted) % 2**32) < NEXT:
-            self._believe(device, doubted, (doubted - self._last[device]) % 2**32)
-            self._believe(device, sequence, onward)
-        else:
-            self._leapt[device] = sequence
-
-    def _believe(self, device: int | None, sequence: int, step: int) -> None:
-        self._last[device] = sequence
-        self._leapt.pop(device, None)
-        if step < 2**31:
-            self.counts.missing += step - 1
+    def _count_unfit(self, found: str) -> None:
+        """Count a complete frame of another shape, and keep what was ``found``."""
+        self.counts.unfit += 1
+        self.unfit = found
 
 
 class Encoder(ABC):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tactile.wire.base import Taxels
+from tactile.wire.reading import Taxels
 
 
 class DeviceTare:

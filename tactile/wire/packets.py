@@ -10,9 +10,10 @@ from tactile.core.array_table import array_table, toml_text
 from tactile.core.frame import Frame
 from tactile.core.source import Source
 from tactile.wire.arrange import back
-from tactile.wire.base import Encoder, Taxels
+from tactile.wire.base import Encoder
 from tactile.wire.description import Description
 from tactile.wire.description_file import parse_description
+from tactile.wire.reading import Taxels
 from tactile.wire.registry import find_format
 
 FIRM = {"strain": 0.01, "stress": 2e4, "force": 1.0}

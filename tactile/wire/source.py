@@ -4,15 +4,16 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+from cnnsim.support.notices import Notices
 from tactile.core.frame import Frame
 from tactile.core.source import Provenance
 from tactile.wire.arrange import Arrange
-from tactile.wire.base import Counts, Reading
 from tactile.wire.clock import ClockLine
 from tactile.wire.description import Description
 from tactile.wire.rate import RateGaps
+from tactile.wire.reading import Counts
 
-PLUGGED, UNPLUGGED, DAMAGED = "plugged", "unplugged", "damaged"
+PLUGGED, UNPLUGGED, DAMAGED, ENDED = "plugged", "unplugged", "damaged", "ended"
 TARE, FORCED_TARE = "tare", "tare by force"
 """Notes of a chunk without bytes; damaged: bytes of a recording are lost at this point."""
 
@@ -26,30 +27,46 @@ class Chunk:
     note: str = ""
 
 
+@dataclass(frozen=True)
+class Repeated:
+    """Chunks that ``read`` reads anew for each iteration."""
+
+    read: Callable[[], Iterator[Chunk]]
+
+    def __iter__(self) -> Iterator[Chunk]:
+        return self.read()
+
+
 class WireSource:
     """Frames decoded from chunks, as a ``Source``. They depend on the chunks only.
 
-    ``see``: called with every frame; ``tare_requests``: one entry per requested tare that is not taken yet, True to
-    force it; ``arrival`` [ns] of the last frame, on the clock of the chunks; ``notes``: warnings about the recording.
+    ``see``: called with every frame; ``warn``: called with warnings about the device's clock and sequence numbers;
+     ``tare_requests``: one entry per requested tare that is not taken yet, True to
+    force it; ``arrival`` [ns] of the last frame, on the clock of the chunks. If ``chunks`` can be iterated again, the
+    frames can; counters and clock are those of the iteration that began last.
     """
-
-    notes: tuple[str, ...] = ()
 
     def __init__(
         self,
         description: Description,
         chunks: Iterable[Chunk],
         see: Callable[[Frame], None] | None = None,
+        warn: Callable[[str], None] = Notices.say,
     ) -> None:
         self.title, self.arrays, self.modulus = description.title, description.arrays, description.modulus
         self.provenance = Provenance(True, description.uncalibrated, None, description.text)
         self.frames: int | None = None
-        self.arrival = 0
-        self.clock = ClockLine()
-        self._rate, self._is_asked = RateGaps(), bool(description.wire.talk(description.options).poll)
-        self.decoder = description.wire.decoder(description.options)
         self.tare_requests: deque[bool] = deque()
-        self._arrange, self._chunks, self._see = Arrange(description), chunks, see
+        self._is_asked = bool(description.wire.talk(description.options).poll)
+        self._description, self._chunks, self._see, self._warn = description, chunks, see, warn
+        self._begin()
+
+    def _begin(self) -> None:
+        self.arrival = 0
+        self.clock, self._rate, self._arrange = ClockLine(), RateGaps(), Arrange(self._description)
+        self.decoder = self._description.wire.decoder(self._description.options)
+        self.tare_requests.clear()
+        self._begun = False
 
     @property
     def counts(self) -> Counts:
@@ -60,24 +77,34 @@ class WireSource:
         return counts
 
     def __iter__(self) -> Iterator[Frame]:
-        for chunk in self._chunks:
+        if self._begun:
+            self._begin()
+        self._begun = True
+        decoder, clock, rate, arrange = self.decoder, self.clock, self._rate, self._arrange
+        reported: set[str] = set()
+        for chunk in self._ended_chunks():
             self.arrival = chunk.t
             if chunk.note in (TARE, FORCED_TARE):
                 self.tare_requests.append(chunk.note == FORCED_TARE)
-            broken_off = chunk.note in (UNPLUGGED, DAMAGED)
-            if broken_off:
-                self._rate.restart()
-            readings = self.decoder.finish() if broken_off else self.decoder.feed(chunk.data)
-            for reading in readings:
-                yield from self._frames(reading)
-        for reading in self.decoder.finish():
-            yield from self._frames(reading)
+            if chunk.note in (UNPLUGGED, DAMAGED):
+                rate.restart()
+            over = chunk.note in (UNPLUGGED, DAMAGED, ENDED)
+            for reading in decoder.finish() if over else decoder.feed(chunk.data):
+                if reading.sequence is None and not self._is_asked:
+                    rate.see(chunk.t * 1e-9)
+                for frame in arrange(reading, clock(reading.t_device, chunk.t * 1e-9)):
+                    if self._see is not None:
+                        self._see(frame)
+                    yield frame
+            for kind, text in (("clock", clock.trouble), ("sequence", decoder.trouble)):
+                if text and kind not in reported:
+                    reported.add(kind)
+                    self._warn(text)
 
-    def _frames(self, reading: Reading) -> Iterator[Frame]:
-        if reading.sequence is None and not self._is_asked:
-            self._rate.see(self.arrival * 1e-9)
-        t = self.clock(reading.t_device, self.arrival * 1e-9)
-        for frame in self._arrange(reading, t):
-            if self._see is not None:
-                self._see(frame)
-            yield frame
+    def _ended_chunks(self) -> Iterator[Chunk]:
+        """Yield the chunks and one more at their end."""
+        t = 0
+        for chunk in self._chunks:
+            t = chunk.t
+            yield chunk
+        yield Chunk(t, note=ENDED)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tactile.wire.base import Reading
+from tactile.wire.reading import Reading
 from tests.kits.wire import decoded, pair, stream
 
 BYTE, BURST = 1e-4, 1e-3

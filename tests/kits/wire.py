@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from tactile.wire.base import Decoder, Encoder, Options, Reading
+from tactile.wire.base import Decoder, Encoder, Options
+from tactile.wire.reading import Reading
 from tactile.wire.registry import NAMES, find_format
 
 SHAPES: dict[str, tuple[tuple[int, int], ...]] = {

@@ -18,7 +18,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cnnsim.support import InputError
-from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
+from tactile.wire.base import Decoder, Encoder, Found, Options
+from tactile.wire.reading import Reading, Taxels
 from tactile.wire.registry import Format
 
 LONGEST, CELL = 65536, 32
@@ -64,8 +65,9 @@ class CsvDecoder(Decoder):
             return Found(end + 1)
         only_commas = len(body.translate(None, b"; \t")) == len(body)
         cells = body.split(b",") if only_commas else SPLIT.split(body)
-        if len(cells) != len(self._before) + 3 * self._taxels:
-            self.counts.unfit += 1
+        wanted = len(self._before) + 3 * self._taxels
+        if len(cells) != wanted:
+            self._count_unfit(f"{len(cells)} numbers in a line ({wanted} wanted)")
             return Found(end + 1)
         numbers = list(map(float, cells))
         if not math.isfinite(sum(numbers)) and math.inf in map(abs, numbers):  # such as 1e999

@@ -22,7 +22,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cnnsim.support import InputError, Integers
-from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
+from tactile.wire.base import Decoder, Encoder, Found, Options
+from tactile.wire.reading import Reading, Taxels
 from tactile.wire.registry import Format
 
 START = 0xAA

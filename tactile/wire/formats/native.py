@@ -21,7 +21,8 @@ import numpy as np
 from cobs import cobs  # type: ignore[import-untyped]  # it ships no types
 
 from cnnsim.support import InputError
-from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
+from tactile.wire.base import Decoder, Encoder, Found, Options
+from tactile.wire.reading import Reading, Taxels
 from tactile.wire.registry import Format
 
 HEADER = struct.Struct("<BBBBBIQ")
@@ -73,7 +74,8 @@ class NativeDecoder(Decoder):
             return Found(end + 1)
         reading = self._read(packet, self._begin + end + 1)
         if reading is None:
-            self.counts.unfit += 1
+            _, board, rows, cols, *_ = HEADER.unpack_from(packet)
+            self._count_unfit(f"board {board} of {rows} x {cols} taxels")
             return Found(end + 1)
         return Found(0, end + 1, reading)
 

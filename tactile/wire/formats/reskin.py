@@ -16,7 +16,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tactile.wire.base import Decoder, Encoder, Found, Options, Reading, Taxels
+from tactile.wire.base import Decoder, Encoder, Found, Options
+from tactile.wire.reading import Reading, Taxels
 from tactile.wire.registry import Format
 
 END = b"\r\n"

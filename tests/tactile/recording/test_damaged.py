@@ -17,7 +17,8 @@ from tactile.recording import schema
 from tactile.recording.reader import Recorded, open_recording
 from tactile.recording.records import records
 from tactile.recording.writer import Recording
-from tactile.wire.source import DAMAGED
+from tactile.sources import open_source
+from tactile.wire.source import DAMAGED, WireSource
 from tests.kits.paths import SCENES
 from tests.kits.serial import call, sent
 from tests.kits.touch.one_finger import run_command
@@ -122,6 +123,30 @@ def test_damaged_chunks_are_reported_and_conversion_repairs_the_file(tmp_path: P
     healed = open_recording(tmp_path / "healed.mcap")
     assert healed.complete
     same(list(healed.source()), got)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet", ".mcap"])
+def test_copies_of_a_damaged_recording_repeat_its_damage(tmp_path: Path, suffix: str) -> None:
+    frames, again = damaged_in_the_middle(tmp_path)
+    what = f"d.mcap: damaged: {again.damage[0]}"
+    copy, second = tmp_path / f"copy{suffix}", tmp_path / "second.mcap"
+    assert what in call("convert", again.path, copy).stderr
+    for result in (call("convert", copy, second), call("emulate", "--scene", second), call("calibrate", second)):
+        assert f"made from {what}" in result.stderr or result.exit_code == 2, result.stderr
+    with pytest.warns(UserWarning, match="second.mcap: made from d.mcap: damaged"):
+        source = open_source(second)
+    same(list(source), list(again.source()))
+    assert len(list(source)) < len(frames)
+
+
+def test_a_recording_of_wire_bytes_gives_its_frames_and_counters_again(tmp_path: Path) -> None:
+    recorded(tmp_path / "r.mcap", "native", 0.3)
+    source = open_recording(tmp_path / "r.mcap").source()
+    assert isinstance(source, WireSource)
+    first, counts = list(source), source.counts.plain()
+    same(list(source), first)
+    assert source.counts.plain() == counts
+    same([frame for pair in zip(source, source, strict=True) for frame in pair][::2], first)
 
 
 def test_an_unclosed_recording_names_the_command_that_repairs_it(files: dict[str, bytes], tmp_path: Path) -> None:

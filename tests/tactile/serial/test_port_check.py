@@ -31,9 +31,9 @@ def short_patience(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("short_patience")
 @pytest.mark.parametrize(("sending", "reading", "message"), [
-    ("native", described("native", 3, 3, 2), "whole frames of native are of another shape than described (3 x 3, 3 x"),
+    ("native", described("native", 3, 3, 2), "than described (3 x 3, 3 x 3 taxels): board"),
     ("native", described("lowiek", 4, 8), "no frame of lowiek in them: another protocol, baud rate (400000)"),
-    ("csv", described("csv", 3, 3), "whole frames of csv are of another shape than described (3 x 3 taxels)"),
+    ("csv", described("csv", 3, 3), "whole frames of csv are of another shape than described (3 x 3 taxels): 26"),
     ("reskin", described("reskin", 1, 5), "bytes belong to no frame of reskin: the device has another number of"),
     ("reskin", described("native", 2, 2), "no frame of native in them"),
 ])  # fmt: skip

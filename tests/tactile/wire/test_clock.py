@@ -1,5 +1,7 @@
 """Clock line between device and host: drift under one-sided delays, restart of the device."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -38,3 +40,27 @@ def test_the_clock_line_restarts_with_the_device() -> None:
     assert line(float("nan"), 36.0) == 36.0
     assert line(float("nan"), 35.0) == 36.0  # never backwards
     assert ClockLine().plain()["drift_ppm"] is None
+
+
+@pytest.mark.parametrize(("clock", "what"), [
+    (lambda t: 1e-3 * t, "advances 0.001 s in a second"), (lambda t: 1e3 * t, "advances 1e+03 s in a second"),
+    (lambda t: 7.0, "stands still"), (lambda t: t // 1, "stands still"), (lambda t: 0.7 * t, "advances 0.7 s"),
+    (lambda t: t // 0.125 * 0.125, "most frames are more than 0.02 s late"),
+])  # fmt: skip
+@pytest.mark.parametrize("rate", [50, 1000])
+def test_a_clock_of_another_rate_gives_arrivals_and_is_reported(
+    clock: Callable[[float], float], what: str, rate: int
+) -> None:
+    line, arrivals = ClockLine(), [n / rate for n in range(6 * rate)]
+    stamps = [line(clock(t), t) for t in arrivals]
+    assert what in line.trouble
+    assert stamps[4 * rate :] == arrivals[4 * rate :]
+    assert line.late == 0
+
+
+def test_a_stall_and_a_gap_leave_the_clock_in_use() -> None:
+    line, times = ClockLine(), [n * 0.01 for n in range(1000)]
+    for t in times:
+        late = max(t, 3.5) if 2 < t < 3.5 else t  # 1.5 s without arrivals, then all at once
+        line(t + 40 * (t > 6), late + 40 * (t > 6))
+    assert not line.trouble

@@ -8,9 +8,9 @@ from tactile.settings import PipelineOptions
 from tactile.thresholds.levels import SIGMAS, Sigmas
 from tactile.thresholds.threshold import SIGN, Threshold
 from tactile.wire.arrange import Arrange, back
-from tactile.wire.base import Reading
 from tactile.wire.description_file import default_description, parse_description
 from tactile.wire.packets import emulated_description, packets
+from tactile.wire.reading import Reading
 from tactile.wire.source import WireSource
 from tests.kits.serial import grip, sent
 

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cnnsim.support import InputError
-from tactile.wire.base import Options, Reading
+from tactile.wire.base import Options
+from tactile.wire.reading import Reading
 from tactile.wire.registry import NAMES, find_format
-from tests.kits.wire import SHAPES, VARIANTS, decoded, pair, stream
+from tests.kits.wire import SHAPES, VARIANTS, decoded, pair, signals, stream
 
 
 def same(got: list[Reading], wanted: list[np.ndarray], name: str, mode: str = "") -> None:
@@ -107,6 +108,34 @@ def test_sequence_numbers_are_counted() -> None:
     for number in (7, 8_000_000, 9):  # a number that jumps for one packet is ignored
         decoder.feed(encoder.encode(values, number, 0.0))
     assert decoder.counts.missing == 2 + 999_995
+
+
+@pytest.mark.parametrize("name", ["papillarray", "native"])
+@pytest.mark.parametrize(("numbers", "missing"), [
+    ([0, 1, 3, 2, 4, 5, 7, 6, 8, 9], 0), ([0, 3, 1, 2, 4, 5, 6], 0), ([0, 1, 4, 3, 5, 6], 1), ([0, 2, 4, 6, 7], 3),
+    ([0, 1, 2, 9, 10, 0, 1, 2], 6), ([0, 1, 3, 4, 2, 5, 6], 0),
+])  # fmt: skip
+def test_neighbours_that_swap_places_are_not_missing(name: str, numbers: list[int], missing: int) -> None:
+    (decoder, encoder), boards = pair(name), signals(name, 1)[0]
+    got = [reading for n in numbers for reading in decoder.feed(encoder.encode(boards, n, 0.0))]
+    boards_sent = 2 if name == "native" else 1
+    assert [reading.sequence for reading in got[::boards_sent]] == numbers
+    assert decoder.counts.missing == missing * boards_sent
+    assert decoder.counts.repeated == 0
+
+
+@pytest.mark.parametrize("name", ["papillarray", "native"])
+@pytest.mark.parametrize("noisy", [True, False])
+def test_frames_of_a_number_that_stands_still_are_kept(name: str, noisy: bool) -> None:
+    (decoder, encoder), frames = pair(name), signals(name, 200) if noisy else signals(name, 1) * 200
+    got = [reading for boards in frames for reading in decoder.feed(encoder.encode(boards, 7, 0.0))]
+    boards_sent = 2 if name == "native" else 1
+    assert len(got) >= (200 if noisy else 180) * boards_sent
+    assert "stands still at 7" in decoder.trouble
+    assert {reading.sequence for reading in got[-100:]} == {None}
+    decoder.feed(encoder.encode(frames[0], 8, 0.0))
+    assert len(decoder.feed(encoder.encode(frames[0], 8, 0.0))) == 0  # a repeated frame
+    assert decoder.counts.missing == 0
 
 
 def test_papillarray_decodes_start_and_end_bytes_inside_floats() -> None:

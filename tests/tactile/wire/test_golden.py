@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tactile.wire.base import Decoder, Encoder, Options, Reading
+from tactile.wire.base import Decoder, Encoder, Options
+from tactile.wire.reading import Reading
 from tactile.wire.registry import find_format
 from tests.kits.paths import ROOT
 from tests.kits.wire import decoded, pair

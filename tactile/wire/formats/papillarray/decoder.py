@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from cnnsim.support import InputError
-from tactile.wire.base import Decoder, Found, Options, Reading, Talk
+from tactile.wire.base import Decoder, Found, Options, Talk
 from tactile.wire.formats.papillarray.device import PapillarrayEncoder
 from tactile.wire.formats.papillarray.packet import (
     END,
@@ -27,6 +27,7 @@ from tactile.wire.formats.papillarray.packet import (
     Packet,
     read_packet,
 )
+from tactile.wire.reading import Reading
 from tactile.wire.registry import Format
 
 LONGEST = 16384
@@ -89,7 +90,8 @@ class PapillarrayDecoder(Decoder):
         self.counts.bad_checksum += self._buffer.count(START, 0, start)
         self._searched = 0
         if packet.triples.shape[:2] != (len(self._taxels), self._taxels[0]) or len(set(self._taxels)) > 1:
-            self.counts.unfit += 1
+            sensors, pillars = packet.triples.shape[:2]
+            self._count_unfit(f"{sensors} sensors of {pillars} pillars")
             return Found(end)
         self._settle(packet)
         values = packet.triples[:, :, self._order or 0].reshape(-1, 3)

@@ -14,9 +14,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.wire.base import Encoder, Options, Taxels
+from tactile.wire.base import Encoder, Options
 from tactile.wire.device_tare import DeviceTare
 from tactile.wire.formats.papillarray.packet import END, HUB, PILLAR, START, WHOLE
+from tactile.wire.reading import Taxels
 
 BIAS = 2.0
 """[s] Averaging time of the hub."""

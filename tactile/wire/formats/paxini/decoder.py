@@ -12,9 +12,10 @@ from abc import abstractmethod
 import numpy as np
 
 from cnnsim.support import InputError
-from tactile.wire.base import Decoder, Found, Options, Reading, Talk, Taxels
+from tactile.wire.base import Decoder, Found, Options, Talk
 from tactile.wire.formats.paxini import packet as px
 from tactile.wire.formats.paxini.device import AnswerEncoder, PushEncoder
+from tactile.wire.reading import Reading, Taxels
 from tactile.wire.registry import Format
 
 
@@ -42,7 +43,7 @@ class PaxiniDecoder(Decoder):
             return Found(0, length)
         values = self._values(packet)
         if values is None:
-            self.counts.unfit += 1
+            self._count_unfit(f"a packet of {length} bytes")
             return Found(length)
         return Found(0, length, Reading(values, self._begin + length))
 

@@ -11,9 +11,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tactile.wire.base import Encoder, Options, Taxels
+from tactile.wire.base import Encoder, Options
 from tactile.wire.device_tare import DeviceTare
 from tactile.wire.formats.paxini import packet as px
+from tactile.wire.reading import Taxels
 
 SETTLE = 0.1
 """[s] Averaging time of a calibration."""

@@ -22,7 +22,8 @@ import struct
 import numpy as np
 
 from cnnsim.support import InputError
-from tactile.wire.base import Options, Taxels
+from tactile.wire.base import Options
+from tactile.wire.reading import Taxels
 
 NEWTON = 0.1
 POINT = np.dtype([("xy", "i1", 2), ("z", "u1")])
