@@ -31,9 +31,9 @@ from tactile.cli.options import FILE
 def new(
     kind: str, name: str | None, array: Path | None, rate_hz: int | None, output: Path, replace: bool
 ) -> None:  # fmt: skip
-    """Write a commented file NAME.toml, which runs as it is, or the firmware of a board.
+    """Write a commented file NAME.toml, or the firmware of a board.
 
-    A scene is what touches simulated fingers; an array describes a device on a port; a
+    The file runs as it is. A scene is what touches simulated fingers; an array describes a device on a port; a
     detector is a program whose planes mean events. A firmware is a folder NAME (that of
     the array file unless given) with an Arduino sketch and a CircuitPython file for the
     board that --array describes.
