@@ -6,9 +6,9 @@ run(open_source("grip.toml"), Settings(), [lambda report: print(*(event.words fo
 
 __all__ = [
     "Calibration", "DetectorFile", "Event", "EventLog", "EventRule", "Frame", "FrameReport", "Indenter", "InputError",
-    "Load", "MovingContact", "MovingLoad", "Scene", "Settings", "Sink", "SlidingTexture", "Source", "TaxelArray",
-    "Threshold", "Validity", "__version__", "load_calibration", "make_effect", "open_source", "read_detector", "run",
-    "warm_up",
+    "Load", "MovingContact", "MovingLoad", "Scene", "Settings", "Sink", "SlidingTexture", "Source", "Stream",
+    "StreamFrame", "TaxelArray", "Threshold", "Validity", "__version__", "load_calibration", "make_effect",
+    "open_source", "read_detector", "run", "stream", "warm_up",
 ]  # fmt: skip
 
 from cnnsim import __version__
@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from tactile.events.event import Event, EventLog
     from tactile.inverse.load import Load
     from tactile.inverse.validity import Validity
+    from tactile.output.stream_frame import StreamFrame
     from tactile.pipeline import FrameReport, Sink, run, warm_up
     from tactile.settings import Settings
     from tactile.simulator.contacts.indenter import Indenter
@@ -32,6 +33,7 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from tactile.simulator.effects import make_effect
     from tactile.simulator.scene.scene import Scene
     from tactile.sources import open_source
+    from tactile.streaming import Stream, stream
     from tactile.thresholds.threshold import Threshold
 else:
     from cnnsim.lazy import importer

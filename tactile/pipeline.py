@@ -1,7 +1,7 @@
 """The tactile pipeline: calibrate, locate, detect events, report, for every frame. Start reading here."""
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -87,37 +87,46 @@ def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list
     sinks = tuple(sinks) if isinstance(sinks, Iterable) else sinks
     if not isinstance(sinks, tuple) or not all(map(callable, sinks)):
         raise InputError(f"sinks {shown(sinks)}; a list of functions of a FrameReport wanted")
+    with watched_by(None):  # no progress bar for the programs of a frame
+        for report in reports(source, settings, fingers):
+            for sink in sinks:
+                sink(report)
+
+
+def reports(source: Source, settings: Settings, fingers: list[Finger] | None = None) -> Iterator[FrameReport]:
+    """Yield the report of every frame of the source; arguments as `run`.
+
+    Raises:
+        InputError: as the source itself.
+    """
     if fingers is None:
         fingers = make_fingers(source.arrays, source.modulus, settings)
     events = EventBuilder(fingers)
     requests = getattr(source, "tare_requests", None)  # of sources that take requests
-    with watched_by(None):  # no progress bar for the programs of a frame
-        for raw in source:
-            arrived = perf_counter()
-            while requests:
-                force = requests.popleft()
-                for one in fingers:
-                    one.tare.ask(force)
-            finger = fingers[raw.finger]
-            frame = finger.calibrate(raw)
-            load = finger.locate(frame)
-            transitions = finger.detect(frame, load)
-            texture = finger.texture(frame, load)
-            begun, ended = events.build(finger, frame, load, transitions, arrived) if transitions else ((), ())
-            report = FrameReport(
-                finger.array,
-                frame,
-                finger.taxels.code,
-                load,
-                texture,
-                begun,
-                ended,
-                *_tares(finger),
-                finger.program_outputs(),
-                finger.levels,
-            )
-            for sink in sinks:
-                sink(report)
+    for raw in source:
+        arrived = perf_counter()
+        while requests:
+            force = requests.popleft()
+            for one in fingers:
+                one.tare.ask(force)
+        finger = fingers[raw.finger]
+        frame = finger.calibrate(raw)
+        load = finger.locate(frame)
+        transitions = finger.detect(frame, load)
+        texture = finger.texture(frame, load)
+        begun, ended = events.build(finger, frame, load, transitions, arrived) if transitions else ((), ())
+        yield FrameReport(
+            finger.array,
+            frame,
+            finger.taxels.code,
+            load,
+            texture,
+            begun,
+            ended,
+            *_tares(finger),
+            finger.program_outputs(),
+            finger.levels,
+        )
 
 
 def _tares(finger: Finger) -> tuple[tuple[TareNote, ...], TareCheck | None]:

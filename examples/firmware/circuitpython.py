@@ -5,7 +5,8 @@ pattern are pressed for one second of four. For the second USB port that it send
 import usb_cdc; usb_cdc.enable(data=True).
 """
 
-# mypy: ignore-errors - CircuitPython has no typing
+# CircuitPython has no module typing:
+# mypy: ignore-errors
 import struct
 import time
 

@@ -12,6 +12,7 @@ import click
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.exclusive_file import lock, open_shut
+from cnnsim.support.extras import need
 from cnnsim.support.terminal import echo
 from tactile.cli.options import ARRAY, FILE, JSON, PROTOCOL, chosen_description, write_new_text
 from tactile.cli.port.console import be_steady, ends_at_once, stopping
@@ -79,9 +80,7 @@ def emulate(
     stream: Iterator[tuple[float, bytes]]
     kept = contextlib.ExitStack()
     if recording is not None:
-        from tactile.recording.reader import open_recording  # the same
-
-        recorded = open_recording(recording)
+        recorded = need("tactile.recording.reader", "an MCAP recording").open_recording(recording)
         report_damage(recording, recorded.mark)
         if not lock(kept.enter_context(open_shut(recording)), shared=True):
             raise InputError(f"{recording}: still being recorded; a closed recording wanted")

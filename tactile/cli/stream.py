@@ -5,13 +5,14 @@ import threading
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
+from cnnsim.support.extras import need
 from cnnsim.support.terminal import echo
 from tactile.cli.options import (
     ARRAY,
@@ -28,11 +29,26 @@ from tactile.cli.port import console
 from tactile.core.source import damage_text, report_damage
 from tactile.settings import PipelineOptions
 
+if TYPE_CHECKING:
+    from tactile.recording.writer import Recording
+    from tactile.serial.session import Session
+
 PORT = click.option("--port", "-p", required=True, help="Port to read; `tactile ports` lists them.")
 SECONDS = click.option("--seconds", type=Finite(0, min_open=True), help="Stop after this time [s].")
 ONCE = click.option("--once", is_flag=True, help="Stop when the port is unplugged instead of waiting for it.")
 REPLACE = click.option("--replace", is_flag=True, help="Overwrite an existing recording.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON lines for other programs.")
+EVERY = click.option("--every-frame", is_flag=True, help="Print a JSON line for each frame, too; with --json.")
+
+
+def _session_and_recording() -> "tuple[type[Session], type[Recording]]":
+    """Return both classes.
+
+    Raises:
+        InputError: a library of the extra ``serial`` is not installed.
+    """
+    session = need("tactile.serial.session", "a serial port").Session
+    return session, need("tactile.recording.writer", "an MCAP recording").Recording
 
 
 @click.command(epilog=examples("tactile record -p /dev/ttyACM0 -a hand.toml -o hand.mcap"))
@@ -50,15 +66,13 @@ def record(
     replace: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Record bytes and frames of a port until Ctrl-C."""
-    from tactile.recording.writer import Recording  # imported when used
-    from tactile.serial.session import Session  # the same
-
     description = chosen_description(protocol, array)
-    into = partial(Recording, new_mcap(output, replace), description, {"port": port}, replace=replace)
+    session_of, recording = _session_and_recording()
+    into = partial(recording, new_mcap(output, replace), description, {"port": port}, replace=replace)
     console.be_steady()
     ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
-        session = Session(port, description, into, seconds=seconds, once=once, stopped=ending, warn=warn)
+        session = session_of(port, description, into, seconds=seconds, once=once, stopped=ending, warn=warn)
         with console.closing(session, as_json):
             following = 10**9
             for _ in session.source:
@@ -73,6 +87,7 @@ def record(
     epilog=examples(
         "tactile live -p /dev/ttyACM0 -a hand.toml --record hand.mcap",
         "tactile live -p /dev/ttyACM0 --protocol papillarray --json",
+        "tactile live -p /dev/ttyACM0 -a hand.toml --publish udp://127.0.0.1:9000",
     )
 )
 @PORT
@@ -92,36 +107,48 @@ def record(
 @ONCE
 @REPLACE
 @JSON
+@EVERY
+@click.option("--publish", metavar="URL", help="Send each frame as a datagram to udp://HOST:PORT.")
+@click.option("--msgpack", is_flag=True, help="Send datagrams as MessagePack instead of JSON.")
 @console.ends_at_once()
 def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
-    replace: bool, as_json: bool, calibration: Path | None, **chosen: Any,
+    replace: bool, as_json: bool, every_frame: bool, publish: str | None, msgpack: bool, calibration: Path | None,
+    **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return requests a tare, t! forces
     it under load, q or Ctrl-C ends.
     """
     from tactile.cli.port.live import LiveMonitor, LiveOptions  # the same
-    from tactile.recording.writer import Recording  # imported when used
-    from tactile.serial.session import Session  # the same
+    from tactile.output.publish import Publisher  # the same
+    from tactile.output.stream_frame import FrameOutput, FrameSink  # the same
 
     check_thresholds(chosen)
+    if msgpack and publish is None:
+        raise click.UsageError("--msgpack is the format of --publish URL")
+    as_json = as_json or every_frame
     description = chosen_description(protocol, array)
+    session_of, recording = _session_and_recording()
     options = LiveOptions(calibration=kept_calibration(calibration, description), **chosen)
     into = None
     if output is not None:
         origin = {"port": port, "choices": options.text()}
-        into = partial(Recording, new_mcap(output, replace), description, origin, replace=replace)
+        into = partial(recording, new_mcap(output, replace), description, origin, replace=replace)
+    outputs: list[FrameOutput] = [lambda _, data: console.print_line(data)] if every_frame else []
+    publisher = None if publish is None else Publisher(publish, description.arrays, packed=msgpack)
+    frames = FrameSink(description.arrays, [*outputs, *filter(None, [publisher])])
     fingers = console.warm_up(description, options)
     console.be_steady()
     view = sys.stdout.isatty() and not as_json
     say = console.print_line if as_json else console.nothing if view else console.tell
     ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
-        session = Session(port, description, into, seconds, once, ending, warn)
+        session = session_of(port, description, into, seconds, once, ending, warn)
         monitor = LiveMonitor(session.source, say, session.now, session.note, lambda: session.counts)
         threading.Thread(target=console.listen, args=(session,), daemon=True).start()
-        with console.closing(session, as_json, monitor), console.viewing(monitor, session, port, view):
-            monitor.run(options, fingers)
+        frames.convert.start_ns = session.reader.epoch.unix
+        with console.closing(session, as_json, monitor, publisher), console.viewing(monitor, session, port, view):
+            monitor.run(options, fingers, [frames])
 
 
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))
@@ -139,10 +166,9 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
     """
     from tactile.cli.port.live import LiveMonitor, recorded_options  # imported when used
     from tactile.cli.port.live import paced as at_its_time
-    from tactile.recording.reader import open_recording  # the same
     from tactile.wire.source import WireSource  # the same
 
-    recorded = open_recording(recording)
+    recorded = need("tactile.recording.reader", "an MCAP recording").open_recording(recording)
     report_damage(recording, recorded.mark)
     if not recorded.has_wire:
         raise InputError(f"{recording}: holds no bytes of a wire; `tactile run {recording}` takes its frames")

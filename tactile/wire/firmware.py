@@ -14,7 +14,7 @@ HEADER, SKETCH, PYTHON = "tactile_native.h", "firmware.ino", "circuitpython.py"
 RATE = 100
 """[Hz] Frames per second of each array."""
 LARGEST = 2**15 - 1
-_BLOCK = r"(begin of the configuration\n).*?(\S* end of the configuration)"
+_BLOCK = r"(?<=begin of the configuration\n)(.*?)(?=\S+ end of the configuration)"
 
 
 def firmware(description: Description, name: str, rate: int = RATE) -> dict[str, str]:
@@ -32,10 +32,9 @@ def firmware(description: Description, name: str, rate: int = RATE) -> dict[str,
     configurations = {SKETCH: _cpp(description, rate), PYTHON: _python(description, rate)}
     written = {HEADER: shipped[HEADER].read_text(encoding="utf-8")}
     for file, lines in configurations.items():
-        filled = "".join(f"{line}\n" for line in lines)
-        text = shipped[file].read_text(encoding="utf-8")
+        before, _, after = re.split(_BLOCK, shipped[file].read_text(encoding="utf-8"), maxsplit=1, flags=re.DOTALL)
         to = "code.py" if file == PYTHON else f"{name}.ino"
-        written[to] = re.sub(_BLOCK, lambda found, lines=filled: found[1] + lines + found[2], text, flags=re.DOTALL)
+        written[to] = before + "".join(f"{line}\n" for line in lines) + after
     return written
 
 

@@ -16,6 +16,7 @@ from cnnsim.support.terminal import echo, json_line
 if TYPE_CHECKING:
     from tactile.cli.port.live import LiveOptions
     from tactile.finger import Finger
+    from tactile.output.publish import Publisher
     from tactile.serial.session import Session
     from tactile.wire.description import Description
 
@@ -62,8 +63,10 @@ def stopping(stop: Callable[[], None]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[None]:
-    """Close port and recording in any case, and print the counters, also those of a ``monitor``."""
+def closing(
+    session: "Session", as_json: bool, monitor: Any = None, publisher: "Publisher | None" = None
+) -> Iterator[None]:
+    """Close port, recording and publisher in any case, and print the counters, also those of a ``monitor``."""
     recording = session.recording
     try:
         yield
@@ -74,6 +77,9 @@ def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[
         summary: dict[str, Any] = {"counts": counts.plain(), "clock": clock, "settled": settled, "unplugged": unplugged}
         if monitor is not None:
             summary["latency"] = {name: value for name, value in monitor.status().items() if name.startswith("latency")}
+        if publisher is not None:
+            publisher.close()
+            summary["published"] = {"sent": publisher.sent, "unsent": publisher.unsent}
         if recording is not None:
             recording.close(summary)
         if as_json:
@@ -84,6 +90,8 @@ def closing(session: "Session", as_json: bool, monitor: Any = None) -> Iterator[
             if monitor is not None and monitor.meter.frames:
                 usual, most, longest = (1e3 * value for value in summary["latency"].values())
                 echo(f"{monitor.happened} events; latency {usual:.2f} ms, 99 % {most:.2f} ms, longest {longest:.2f} ms")
+            if publisher is not None:
+                echo(f"published {publisher.sent} frames to {publisher.address}; {publisher.unsent} not sent")
             if clock["residual_median_s"] is not None:
                 usual, most = clock["residual_median_s"], clock["residual_max_s"]
                 echo(f"device: {clock['drift_ppm']:+.1f} ppm; frames come {usual:.6f} s after it, longest {most:.6f}")

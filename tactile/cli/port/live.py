@@ -166,9 +166,14 @@ class LiveMonitor:
             **{name: finite(value) for name, value in figures.items()},
         }  # fmt: skip
 
-    def run(self, options: LiveOptions, fingers: "list[Finger] | None" = None) -> None:
-        """Take all frames of the source through the pipeline; ``fingers`` as `pipeline.run`."""
-        pipeline.run(self._source, options.settings(self._source, options.skin), [self], fingers)
+    def run(
+        self, options: LiveOptions, fingers: "list[Finger] | None" = None, sinks: Iterable[pipeline.Sink] = ()
+    ) -> None:
+        """Take all frames of the source through the pipeline; ``fingers`` as `pipeline.run`.
+
+        ``sinks`` get each report before the latency of its frame is measured.
+        """
+        pipeline.run(self._source, options.settings(self._source, options.skin), [*sinks, self], fingers)
 
 
 def paced(
