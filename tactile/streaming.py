@@ -13,8 +13,9 @@ from cnnsim.support.extras import need
 from cnnsim.support.values import is_number
 from tactile import pipeline
 from tactile.core.frame import TaxelArray
-from tactile.core.source import Source, provenance
+from tactile.core.source import provenance
 from tactile.output.stream_frame import FRICTION, StreamFrame, StreamFrames
+from tactile.pipeline import FrameReport
 from tactile.settings import PipelineOptions, Settings
 from tactile.sources import KINDS
 
@@ -31,12 +32,12 @@ class Stream:
     """
 
     def __init__(
-        self, source: Source, settings: Settings, start_ns: int | None, friction: float, session: "Session | None"
-    ) -> None:
-        self.arrays: tuple[TaxelArray, ...] = source.arrays
+        self, reports: Iterator[FrameReport], arrays: tuple[TaxelArray, ...], convert: StreamFrames,
+        session: "Session | None" = None,
+    ) -> None:  # fmt: skip
+        self.arrays = arrays
         self._session, self._closed = session, False
-        convert = StreamFrames(start_ns, friction)
-        self._frames = map(convert, pipeline.reports(source, settings))
+        self._frames = map(convert, reports)
 
     def __repr__(self) -> str:
         return f"Stream({', '.join(f'{array.name} {array.rows} x {array.cols}' for array in self.arrays)})"
@@ -105,8 +106,10 @@ def stream(
     if settings is None:
         settings = replace(PipelineOptions(), tare="auto").settings(wire(description, ()))
     pipeline.warm_up(description.arrays, description.modulus, settings)
+    fingers = pipeline.make_fingers(description.arrays, description.modulus, settings)  # before the first frame
     session: Session = session_of(str(port_or_file), description, None, seconds)
-    return Stream(session.source, settings, session.reader.epoch.unix, friction, session)
+    reports = pipeline.reports(session.source, settings, fingers)
+    return Stream(reports, description.arrays, StreamFrames(session.reader.epoch.unix, friction), session)
 
 
 def _of_file(path: Path, wanted: "Description | None", settings: Settings | None, friction: float) -> Stream:
@@ -117,7 +120,8 @@ def _of_file(path: Path, wanted: "Description | None", settings: Settings | None
     if wanted is not None and [one.shape for one in wanted.arrays] != [one.shape for one in source.arrays]:
         found, said = (", ".join(f"{a.name} {a.rows} x {a.cols}" for a in one.arrays) for one in (source, wanted))
         raise InputError(f"{path} has arrays {found}; the array description has {said}")
-    return Stream(source, settings or opened.settings, provenance(source).start_ns, friction, None)
+    reports = pipeline.reports(source, settings or opened.settings)
+    return Stream(reports, source.arrays, StreamFrames(provenance(source).start_ns, friction))
 
 
 def _described(array: "str | Path | Description") -> "Description":

@@ -90,10 +90,11 @@ def test_a_port_gives_frames_until_it_is_closed(tmp_path: Path) -> None:
         got = []
         for frame in frames:
             got.append(frame)
-            if len(got) == 2 * 99:
+            if len(got) == 2 * 70:
                 frames.close()
-    assert len(got) >= 2 * 99
-    assert [frame.sequence for frame in got[::2]] == list(range(len(got) // 2))
+    assert len(got) >= 2 * 70
+    first = got[0].sequence
+    assert [frame.sequence for frame in got[::2]] == list(range(first, first + len(got) // 2))
     assert abs(got[-1].unix_s - got[0].unix_s - (got[-1].t - got[0].t)) < 1e-3
     assert [event.finger for frame in got for event in frame.begun if event.kind == "contact"] == ["left", "right"]
     with pytest.raises(InputError, match="a port, and no array"):
