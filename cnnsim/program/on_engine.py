@@ -33,19 +33,18 @@ class OnEngine:
             InputError: a step that cannot be computed block by block; the store is of another program.
         """
         shape = next(iter(planes.values())).shape
-        settling = self._check_steps(program, shape)
+        self._check_steps(program, shape)
         identity = (
             self.backend.name, self.backend.dtype.str, program.memory, program.inputs, program.outputs, program.keep,
             program.steps, shape,
         )  # fmt: skip
         self._used_last = used_last(program)
         stays = any(is_stored(plane) for plane in planes.values())
-        with self.backend.running(signature(identity, dict(planes)), shape, settling=settling, stays=stays):
+        with self.backend.running(signature(identity, dict(planes)), shape, stays=stays):
             yield
 
-    def _check_steps(self, program: Program, shape: tuple[int, ...]) -> bool:
-        """Check that all transients can be computed block by block; return whether one runs until settled."""
-        settling = False
+    def _check_steps(self, program: Program, shape: tuple[int, ...]) -> None:
+        """Check that all transients can be computed block by block."""
         for _, step in numbered(program.steps):
             if not isinstance(step, TemplateStep) or self._ways.rule(program, step) is not None:
                 continue
@@ -54,10 +53,7 @@ class OnEngine:
                     raise InputError(
                         "accuracy with an engine: an accuracy needs several runs; a step, or no engine, wanted"
                     )
-                plan = self._ways.plan(step, shape)
-                check_plan(plan)
-                settling |= plan.duration == "settled" and plan.method != "closed form"
-        return settling
+                check_plan(self._ways.plan(step, shape))
 
     def begins(self, step: Step) -> None:
         """Note the step that comes next."""

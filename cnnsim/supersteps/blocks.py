@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -54,12 +54,6 @@ class Blocks:
             found.append(index)
             inside.append((first - low, after - low))
         return found[0], found[1], (inside[0], inside[1])
-
-    def neighbours(self, block: int, halo: int) -> list[int]:
-        """Return the blocks that have cells in a block or its halo."""
-        rows, cols, _ = self.around(block, halo)
-        down, across = (np.unique(index // self.side).tolist() for index in (rows, cols))
-        return [i * self.counts[1] + j for i, j in product(down, across)]
 
 
 def read_cells(array: Any, rows: Integers, cols: Integers) -> Array:

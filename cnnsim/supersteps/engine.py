@@ -14,8 +14,8 @@ from cnnsim.support.memory import check_memory, free_memory
 from cnnsim.support.values import is_whole
 from cnnsim.workers import check_engine_name
 
-LARGEST, LARGEST_SETTLING, SMALLEST = 2048, 512, 64
-"""Sides of blocks [cells]: the largest, the largest in a run until settled (more of them can be skipped), the least."""
+LARGEST, SMALLEST = 2048, 64
+"""Sides of blocks [cells]: the largest and the least."""
 BLOCKS_PER_WORKER = 2
 MOST_STEPS = 256
 """The most steps of a superstep; a stopped run loses at most this number."""
@@ -66,14 +66,14 @@ def parse_engine(engine: "str | Engine", store: "str | Path | None") -> Engine:
     return found if store is None else replace(found, store=Path(store))
 
 
-def side_of_blocks(engine: Engine, shape: tuple[int, ...], workers: int, *, settling: bool) -> int:
+def side_of_blocks(engine: Engine, shape: tuple[int, ...], workers: int) -> int:
     """Return the side of a block: of the engine, or such that all workers have blocks and the blocks fit in memory."""
     if engine.side is not None:
         return engine.side
     rows, cols = shape[-2:]
     fits = math.sqrt(min(MEMORY_SHARE * free_memory() / workers / 64, 1e12))
     balanced = math.sqrt(rows * cols / (BLOCKS_PER_WORKER * workers))
-    most = max(SMALLEST, min(LARGEST_SETTLING if settling else LARGEST, fits, balanced))
+    most = max(SMALLEST, min(LARGEST, fits, balanced))
     side = math.ceil(max(rows, cols) / math.ceil(max(rows, cols) / most))
     return math.ceil(side / SMALLEST) * SMALLEST
 

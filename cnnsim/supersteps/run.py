@@ -1,7 +1,6 @@
 """Loop over supersteps: all blocks take some steps, then the record is replaced.
 
-States alternate between two arrays, so no task reads what another one writes. A block is skipped when it and all blocks
-in its halo are unchanged, to the bit, by a superstep of as many steps: both arrays then hold its state.
+States alternate between two arrays, so no task reads what another one writes.
 """
 
 import math
@@ -39,21 +38,18 @@ class Supersteps:
     """A transient of a large grid that continues from its ``record``.
 
     ``planes`` are the Zarr arrays of the initial state, input, bias and mask, by name. The states are arrays of the
-    ``store``. ``skip``: whether unchanged blocks are skipped.
+    ``store``.
     """
 
     def __init__(
         self, plan: Plan, store: GridStore, record: Record, planes: dict[str, Path], place: Place, engine: Engine,
-        workers: Workers, skip: bool,
+        workers: Workers,
     ) -> None:  # fmt: skip
         self.plan, self.record, self.devices = plan, record, set[str]()
         self._store, self._planes, self._place, self._workers = store, planes, place, workers
         self._blocks = Blocks(plan.shape, record.side, plan.boundary)
         self._settling = plan.duration == "settled" and plan.method != "closed form"
         self._depth = 1 if plan.method == "closed form" else steps_of_superstep(engine, plan, record.side)
-        self._skip = skip and not (self._settling and self._depth % plan.check_every)
-        self._last: dict[int, BlockReport] = {}
-        self._last_steps = -1
 
     @property
     def state(self) -> Path:
@@ -72,12 +68,12 @@ class Supersteps:
         while not record.ended:
             after = record.step + 1 if plan.method == "closed form" else min(record.step + self._depth, plan.steps)
             checks = self._checks(after)
-            reports = self._tasks(after - record.step, checks, skip=self._skip)
+            reports = self._tasks(after - record.step, checks)
             found = [worst([report.checks[number] for report in reports]) for number in range(len(checks))]
             last = next((n for n, check in enumerate(found) if check.settled or check.repeats), None)
             if last is not None and checks[last] < after:
                 after = checks[last]
-                self._tasks(after - record.step, (), skip=False)
+                self._tasks(after - record.step, ())
             self._commit(after, None if last is None else found[last], found[-1] if found else None)
 
     def _checks(self, after: int) -> tuple[int, ...]:
@@ -87,26 +83,16 @@ class Supersteps:
         first, plan = self.record.step + (self.record.superstep > 0), self.plan
         return tuple(step for step in range(first, after + 1) if step % plan.check_every == 0 or step == plan.steps)
 
-    def _tasks(self, steps: int, checks: tuple[int, ...], *, skip: bool) -> list[BlockReport]:
-        """Step all blocks, or with ``skip`` only blocks that may change; return the reports of all blocks."""
-        halo = halo_of(self.plan, steps)
-        waiting = [
-            self._task(block, steps, checks, halo)
-            for block in range(len(self._blocks))
-            if not (skip and steps == self._last_steps and self._stays(block, halo))
-        ]
-        waiting.sort(key=lambda task: math.prod(task.plan.shape), reverse=True)
-        reports = {block: self._last[block] for block in set(self._last) - {task.block for task in waiting}}
-        for done, report in enumerate(self._workers.map(run_block, waiting), 1):
-            reports[report.block] = report
-            self._report(steps * done / len(waiting), len(self._blocks) - len(waiting))
-        self.devices |= {report.device for report in reports.values()} - {""}
-        if self.record.superstep:  # before it the first array has other states
-            self._last, self._last_steps = reports, steps
-        return list(reports.values())
-
-    def _stays(self, block: int, halo: int) -> bool:
-        return all(self._last[near].unchanged for near in self._blocks.neighbours(block, halo))
+    def _tasks(self, steps: int, checks: tuple[int, ...]) -> list[BlockReport]:
+        """Step all blocks, the largest first; return their reports."""
+        halo, reports = halo_of(self.plan, steps), list[BlockReport]()
+        tasks = [self._task(block, steps, checks, halo) for block in range(len(self._blocks))]
+        tasks.sort(key=lambda task: math.prod(task.plan.shape), reverse=True)
+        for report in self._workers.map(run_block, tasks):
+            reports.append(report)
+            self._report(steps * len(reports) / len(tasks))
+        self.devices |= {report.device for report in reports} - {""}
+        return reports
 
     def _task(self, block: int, steps: int, checks: tuple[int, ...], halo: int) -> BlockTask:
         rows, cols, _ = self._blocks.around(block, halo)
@@ -116,11 +102,11 @@ class Supersteps:
             self._planes | {STATE: self.state}, target,
         )  # fmt: skip
 
-    def _report(self, steps: float, skipped: int) -> None:
+    def _report(self, steps: float) -> None:
         if (report := watcher()) is not None:
             step, plan = self.record.step + steps, self.plan
             share = min(1.0, step / max(plan.steps, 1)) if plan.duration != "settled" else None
-            report(share, f"t = {step * plan.step:.4g}, {skipped} of {len(self._blocks)} blocks skipped")
+            report(share, f"t = {step * plan.step:.4g}, {len(self._blocks)} blocks")
 
     def _commit(self, step: int, end: Check | None, last: Check | None) -> None:
         """Replace the record: a superstep is done, which ended with the check ``end`` if the network has settled."""

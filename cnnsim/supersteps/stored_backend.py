@@ -66,7 +66,7 @@ class StoredBackend(Backend):
         self._record: dict[str, Any]
 
     @contextmanager
-    def running(self, run: str, shape: tuple[int, ...], *, settling: bool, stays: bool) -> Iterator[None]:
+    def running(self, run: str, shape: tuple[int, ...], *, stays: bool) -> Iterator[None]:
         """Run a program in a block with the identity ``run``; ``stays``: its results are Zarr arrays of the store.
 
         Raises:
@@ -76,7 +76,7 @@ class StoredBackend(Backend):
         with open_workers(self._engine.name, self._engine.workers) as self._workers:
             if not self._runs:
                 self._store = GridStore(self._folder, run, KIND)
-                side = side_of_blocks(self._engine, shape, self._workers.count, settling=settling)
+                side = side_of_blocks(self._engine, shape, self._workers.count)
                 self._record = self._store.record or {"side": side, "done": 0, "answers": {}}
                 self._engine.side_of_store(self._folder, self._record["side"])
             self._runs += 1

@@ -58,9 +58,7 @@ def run_on_engine(
     with ExitStack() as stack:
         folder = at.store or Path(stack.enter_context(TemporaryDirectory(prefix="cnnsim-store-")))
         workers = stack.enter_context(open_workers(at.name, at.workers))
-        steps = _steps(
-            task.plan, planes, where, at, folder.absolute(), workers, "sleep" not in choices.get("without", ())
-        )
+        steps = _steps(task.plan, planes, where, at, folder.absolute(), workers)
         with _kept(steps, at):
             steps.run()
         state = zarr_library().open_array(steps.state, mode="r")
@@ -92,7 +90,7 @@ def _task(template: AnyTemplate, choices: dict[str, Any]) -> tuple[Task, dict[st
 
 
 def _steps(
-    plan: Plan, planes: dict[str, Any], where: Backend, engine: Engine, folder: Path, workers: Workers, skip: bool
+    plan: Plan, planes: dict[str, Any], where: Backend, engine: Engine, folder: Path, workers: Workers
 ) -> Supersteps:
     """Return the supersteps of a run, at their start or as far as the store in a folder has them."""
     place = Place(where.name, where.dtype.str, getattr(where, "chosen_device", None))
@@ -100,7 +98,7 @@ def _steps(
     store = GridStore(folder, run, KIND)
     shape = tuple(planes["state"].shape)
     if store.record is None:
-        record = Record(side_of_blocks(engine, shape, workers.count, settling=plan.duration == "settled"))
+        record = Record(side_of_blocks(engine, shape, workers.count))
     else:
         record = Record(**store.record)
         engine.side_of_store(folder, record.side)
@@ -120,7 +118,7 @@ def _steps(
             store.commit(vars(record))
         except OSError as error:
             raise InputError(f"{folder}: {error.strerror or error}; space for the planes wanted") from error
-    return Supersteps(plan, store, record, paths, place, engine, workers, skip)
+    return Supersteps(plan, store, record, paths, place, engine, workers)
 
 
 def _in_place(plane: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Path | None:

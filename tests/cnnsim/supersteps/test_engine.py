@@ -22,19 +22,18 @@ def test_blocks_fit_in_memory_are_of_one_size_and_occupy_all_workers(
     rows: int, workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CNNSIM_MEMORY", "16G")
-    for settling in (False, True):
-        side = side_of_blocks(Engine(), (rows, rows), workers, settling=settling)
-        down = math.ceil(rows / side)
-        assert 64 * workers * side**2 <= 8e9
-        assert (down * side - rows) / side < 0.5
-        if rows > 1000:
-            assert down**2 / workers / math.ceil(down**2 / workers) > 0.7
-    assert side_of_blocks(Engine(side=48), (rows, rows), workers, settling=True) == 48
+    side = side_of_blocks(Engine(), (rows, rows), workers)
+    down = math.ceil(rows / side)
+    assert 64 * workers * side**2 <= 8e9
+    assert (down * side - rows) / side < 0.5
+    if rows > 1000:
+        assert down**2 / workers / math.ceil(down**2 / workers) > 0.7
+    assert side_of_blocks(Engine(side=48), (rows, rows), workers) == 48
 
 
 def test_less_memory_gives_smaller_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CNNSIM_MEMORY", "512M")
-    assert side_of_blocks(Engine(), (32768, 32768), 2, settling=False) <= 1472
+    assert side_of_blocks(Engine(), (32768, 32768), 2) <= 1472
     with pytest.raises(InputError, match="2 workers with blocks of 2000 x 2000 cells needs"):
         x = np.zeros((2000, 2000), np.float32)
         cnnsim.run_transient(Template(2.0), state=x, duration=1.0, step=0.1, engine=Engine(workers=2, side=2000))

@@ -1,6 +1,5 @@
 """Transients in supersteps: the bits of the whole grid, and which blocks are computed."""
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -9,11 +8,9 @@ import pytest
 import cnnsim
 from cnnsim.network import PERIODIC, LayeredTemplate, Table, Template, Term
 from cnnsim.planning.plan import make_plan
-from cnnsim.supersteps import block_task, run
 from cnnsim.supersteps.block_plan import reach_of
 from cnnsim.supersteps.blocks import Blocks
 from cnnsim.supersteps.engine import Engine
-from cnnsim.support import Array
 from tests.kits.supersteps import BIAS, MASK, MIXED, RANDOM, SHAPE, U, X, one
 
 
@@ -92,45 +89,11 @@ def test_every_kind_of_template_gives_the_bits_of_the_whole_grid(kind: str) -> N
     assert_same(template, one(side=20, depth=4), **task)
 
 
-def holes() -> Array:
-    """Return a picture with a closed curve: a wave comes in from the edge, and most cells stay as they are."""
-    picture = np.full((96, 96), -1.0)
-    picture[30:70, 40:42] = picture[30:70, 60:62] = picture[30:32, 40:62] = picture[68:70, 40:62] = 1.0
-    return picture
-
-
 def test_blocks_are_read_with_a_neighbour_each_way_where_weights_are_zero() -> None:
     """Compiled loops read one neighbour with weight 0; NaN in unset memory would spread from there."""
     steps = make_plan(Template(2.067), (8, 9), PERIODIC, scheme="euler", step=0.1)
     assert (steps.method, reach_of(steps)) == ("stepped", 1)
     assert reach_of(make_plan(Template(2.067), (8, 9), PERIODIC)) == 0  # the closed form
-
-
-@pytest.mark.parametrize("duration", [60.0, "settled"])
-def test_unchanged_blocks_are_skipped_and_computed_again_when_a_wave_comes(
-    duration: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    computed: list[tuple[int, int]] = []
-
-    def counted(task: Any) -> Any:
-        computed.append((task.first, task.block))
-        return block_task.run_block(task)
-
-    monkeypatch.setattr(run, "run_block", counted)
-    entry = cnnsim.library.load("hole-filler")
-    task = entry.task(holes()) | {"duration": duration}
-    assert_same(entry.template, one(side=12, depth=10), **task)
-    steps = {first for first, _ in computed}
-    assert len(computed) < 0.95 * 64 * len(steps)
-    again = [block for block in range(64) if _gaps([first for first, number in computed if number == block])]
-    assert again  # skipped, then computed
-    computed.clear()
-    assert_same(entry.template, one(side=12, depth=10), **task, without=["sleep"])
-    assert len(computed) >= 64 * len(steps)
-
-
-def _gaps(steps: list[int]) -> bool:
-    return any(after - before > 10 for before, after in pairwise(steps))
 
 
 def test_a_block_with_its_halo_has_every_cell_in_reach() -> None:
