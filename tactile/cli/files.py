@@ -1,14 +1,25 @@
 """Commands that write files: convert, new."""
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from cnnsim.support.command_line import examples, watched
+from cnnsim.support.extras import need
 from cnnsim.support.files import check_free, check_name, write_text
 from cnnsim.support.terminal import echo
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 from tactile.cli.options import FILE
+from tactile.sources import is_folder_of_recordings, open_source
+
+if TYPE_CHECKING:
+    from tactile.core.frame import Frame
+    from tactile.export.episode import Watch
+
+FPS = 30
+"""Frames per second of a learning set."""
 
 
 @click.command(
@@ -80,23 +91,56 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
     epilog=examples(
         "tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap",
         "tactile convert examples/scenes/grip.toml grip.npz",
+        "tactile convert examples/grasp.npz grasp.csv --tared",
+        "tactile convert examples/grasp.npz --lerobot grasps --fps 30",
     )
 )  # fmt: skip
 @click.argument("source", type=FILE)
-@click.argument("target", type=FILE)
+@click.argument("target", type=FILE, required=False)
 @click.option("--replace", is_flag=True, help="Overwrite an existing TARGET.")
-def convert(source: Path, target: Path, replace: bool) -> None:
+@click.option("--tared", is_flag=True, help="Write the frames after tare and gains, as the pipeline takes them.")
+@click.option("--lerobot", type=FILE, help="Folder for a LeRobotDataset v3.0, in place of TARGET; always tared.")
+@click.option("--fps", type=click.IntRange(1, 10_000), help="Frames per second of a learning set [30].")
+@click.option("--task", help="Text of the task of a learning set [the title of the recording].")
+def convert(
+    source: Path, target: Path | None, replace: bool, tared: bool, lerobot: Path | None, fps: int | None,
+    task: str | None,
+) -> None:  # fmt: skip
     """Convert recordings and scenes to another file format.
 
     The frames of SOURCE are written to TARGET (.csv, .npz, .parquet, .mcap) without loss.
 
     SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder)
-    or a scene (.toml). What TARGET cannot hold is said on stderr.
+    or a scene (.toml). What TARGET cannot hold is said on stderr. With --lerobot each recording of a folder is an
+    episode.
     """
+    if (target is None) == (lerobot is None):
+        raise click.UsageError("one TARGET wanted: a file, or --lerobot FOLDER")
+    if lerobot is None and (fps, task) != (None, None):
+        raise click.UsageError("--fps and --task belong to --lerobot FOLDER")
+
+    def watch(frames: "Iterable[Frame]", total: int | None) -> "Iterable[Frame]":
+        return watched(frames, "frames", total)
+
+    if target is None:
+        _learning_set(source, lerobot or Path(), fps or FPS, task, watch)
+        return
     from tactile.sources.convert import convert as write  # imported when used
 
+    opened = None
+    if tared:
+        from tactile.export.tared import tared as after_tare  # the same
+
+        opened = after_tare(source)
     there = target.exists()
-    done = write(source, target, replace, lambda frames, total: watched(frames, "frames", total))
+    done = write(source, target, replace, watch, opened)
     for note in done.notes:
         echo(note, err=True)
     echo(f"wrote {done.frames} frames to {target}{', replacing what was there' * there}")
+
+
+def _learning_set(source: Path, folder: Path, fps: int, task: str | None, watch: "Watch") -> None:
+    writer = need("tactile.export.lerobot", "a LeRobot dataset")
+    title = task or (source.stem if is_folder_of_recordings(source) else open_source(source).title) or source.stem
+    frames, episodes = writer.write_lerobot(source, folder, fps, title, watch)
+    echo(f"wrote {frames} frames at {fps} frames/s in {episodes} episode{'s' * (episodes != 1)} to {folder}")

@@ -92,7 +92,13 @@ def run(
         with RunRecord(
             output,
             frames.arrays,
-            {"source": source.name, "title": frames.title, **damage, "settings": settings_data(settings)},
+            {
+                "source": source.name,
+                "title": frames.title,
+                "start_ns": known.start_ns,
+                **damage,
+                "settings": settings_data(settings),
+            },
             truth,
             parquet=parquet,
         ) as record:

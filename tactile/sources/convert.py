@@ -30,11 +30,13 @@ def convert(
     target: Path,
     replace: bool = False,
     watch: Callable[[Iterable[Frame], int | None], Iterable[Frame]] = lambda seen, _: seen,
+    opened: Source | None = None,
 ) -> Conversion:
     """Write the frames of ``source`` to ``target`` in the format of its suffix.
 
     Arrays, names, units, times, sequence numbers and flags are kept bit for bit. The target is written completely or
-    not at all. ``watch`` receives the frames and their number, and passes them on.
+    not at all. ``watch`` receives the frames and their number, and passes them on. ``opened``: the frames to write,
+    unless they are those of the file.
 
     Raises:
         InputError: an unknown suffix, an existing target (unless ``replace``), no frames, a full disk, or errors of the
@@ -47,11 +49,12 @@ def convert(
         raise InputError(f"{target}: suffix {target.suffix!r}, one of {', '.join(WRITERS)} wanted")
     if target.exists() and target.samefile(source):
         raise InputError(f"{target} is the recording itself; another name wanted")
-    opened, seen = open_source(source), _Seen()
+    copied = opened is None and suffix == source.suffix.lower() == ".mcap"
+    opened, seen = opened or open_source(source), _Seen()
     refuse_existing(target, replace)
     with writing(target) as beside:
         frames = seen.through(watch(opened, opened.frames))
-        if suffix == ".mcap" and source.suffix.lower() == ".mcap":
+        if copied:
             need("tactile.recording.index", "an MCAP recording").write_indexed(source, beside)
             for _ in frames:
                 pass
@@ -60,7 +63,7 @@ def convert(
         if not seen.frames:
             raise InputError(f"{source}: no frames in it, at least one wanted; {target} is not written")
     notes = _assumed(source, opened)
-    if suffix != ".mcap" or source.suffix.lower() != ".mcap":
+    if not copied:
         notes += _left_behind(source, opened)
     if suffix == ".csv" and seen.masked:
         notes.append(f"readings of {seen.masked} taxels that are not valid are empty cells in {target}")

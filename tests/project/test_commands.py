@@ -31,7 +31,7 @@ SKIPPED = {  # by how a line begins
     "CNNSIM_DEVICE=1": "a second device, which few machines have",
 }
 OPTIONAL = {"walk.mp4": "av", "cnnsim devices": "pyopencl", "tactile ports": "serial", ".parquet": "pyarrow",
-            ".mcap": "mcap", "tactile texture": "sklearn"}  # fmt: skip
+            "--lerobot": "pyarrow",            ".mcap": "mcap", "tactile texture": "sklearn"}  # fmt: skip
 
 
 def commands(path: Path) -> list[str]:

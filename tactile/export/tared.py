@@ -1,0 +1,68 @@
+"""What exports read and write: recordings after the tare of a run, and a new folder for the result."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from cnnsim.support import InputError
+from cnnsim.support.limits import reason
+from tactile import pipeline
+from tactile.cli.opened import Opened, RunChoices, open_for_run
+from tactile.core.frame import Frame
+from tactile.core.source import FrameStream, provenance
+from tactile.settings import PipelineOptions
+
+
+def open_for_export(path: Path) -> Opened:
+    """Open a scene or recording with the settings of `tactile run`.
+
+    Raises:
+        InputError: it cannot be opened, or its readings have no unit.
+    """
+    return open_for_run(path, RunChoices(PipelineOptions()))
+
+
+def tared(path: Path) -> FrameStream:
+    """Return the frames of a scene or recording after tare and gains, as the pipeline processes them.
+
+    Taxels are not valid until the first tare. The header keeps the Unix time of t = 0, and says that no tare is needed.
+
+    Raises:
+        InputError: as `open_for_export`.
+    """
+    opened = open_for_export(path)
+    source = opened.source
+    known = replace(provenance(source), untared=False, uncalibrated=(), choices="")
+    return FrameStream(source.title, source.arrays, source.modulus, source.frames, _Tared(opened), known)
+
+
+class _Tared:
+    """The frames after the tare; iterable repeatedly."""
+
+    def __init__(self, opened: Opened) -> None:
+        self._opened = opened
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (report.frame for report in pipeline.reports(self._opened.source, self._opened.settings))
+
+
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """Yield a temporary folder; it gets the name ``path`` when the block succeeds, and is removed when it fails.
+
+    Raises:
+        InputError: the name is taken, or the folder cannot be written.
+    """
+    if path.exists() or path.is_symlink():
+        raise InputError(f"{path}: there is something of that name; another name wanted")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=f".{path.name[:40]}-", dir=path.parent) as place:
+            folder = Path(place) / path.name
+            folder.mkdir()
+            yield folder
+            folder.rename(path)
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {reason(error)}") from error
