@@ -91,7 +91,7 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
     epilog=examples(
         "tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap",
         "tactile convert examples/scenes/grip.toml grip.npz",
-        "tactile convert examples/grasp.npz grasp.csv --tared",
+        "tactile convert examples/grasp.npz tared.csv --tared",
         "tactile convert examples/grasp.npz --lerobot grasps --fps 30",
     )
 )  # fmt: skip

@@ -27,7 +27,7 @@ def presses(rate: float = 137.0, seconds: float = 2.0, seed: int = 0) -> FrameSt
     return FrameStream("two presses", PADS, None, len(frames), frames, Provenance(untared=True, start_ns=START))
 
 
-def write_presses(path: Path, **how: float) -> Path:
+def write_presses(path: Path, rate: float = 137.0, seconds: float = 2.0, seed: int = 0) -> Path:
     """Write them to an NPZ file and return its path."""
-    write_npz(path, presses(**how))
+    write_npz(path, presses(rate, seconds, seed))
     return path
