@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 PIP    := PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --no-compile
 LOCKED := $(PIP) --require-hashes -r
 ITSELF := $(PIP) --no-deps --no-build-isolation -e .
-EXTRAS := --extra opencl --extra serial --extra fem --extra video --extra texture --extra scale
+EXTRAS := --extra opencl --extra serial --extra tables --extra fem --extra video --extra texture --extra scale
 COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml - -c constraints.txt --universal \
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml

@@ -11,7 +11,7 @@ from cnnsim.support.extras import need
 from cnnsim.support.files import check_free, check_name, write_text
 from cnnsim.support.terminal import echo
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
-from tactile.cli.options import FILE
+from tactile.cli.options import FILE, LAYOUT
 from tactile.sources import is_folder_of_recordings, open_source
 
 if TYPE_CHECKING:
@@ -90,13 +90,14 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
 @click.command(
     epilog=examples(
         "tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap",
-        "tactile convert examples/scenes/grip.toml grip.npz",
+        "tactile convert examples/scenes/grip.toml grip.npz", "tactile convert glove.csv g.mcap --layout glove.toml",
         "tactile convert examples/grasp.npz tared.csv --tared",
         "tactile convert examples/grasp.npz --lerobot grasps --fps 30",
     )
 )  # fmt: skip
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE, required=False)
+@LAYOUT
 @click.option("--replace", is_flag=True, help="Overwrite an existing TARGET.")
 @click.option("--tared", is_flag=True, help="Write the frames after tare and gains, as the pipeline takes them.")
 @click.option("--lerobot", type=FILE, help="Folder for a LeRobotDataset v3.0, in place of TARGET; always tared.")
@@ -104,15 +105,15 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
 @click.option("--task", help="Text of the task of a learning set [the title of the recording].")
 def convert(
     source: Path, target: Path | None, replace: bool, tared: bool, lerobot: Path | None, fps: int | None,
-    task: str | None,
+    task: str | None, layout: Path | None,
 ) -> None:  # fmt: skip
     """Convert recordings and scenes to another file format.
 
     The frames of SOURCE are written to TARGET (.csv, .npz, .parquet, .mcap) without loss.
 
-    SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder)
-    or a scene (.toml). What TARGET cannot hold is said on stderr. With --lerobot each recording of a folder is an
-    episode.
+    SOURCE is what `tactile run` takes: a recording (.mcap, .npz, .csv, .parquet), a ROS bag (.bag, .db3 or a folder),
+    a table of another program with its --layout, or a scene (.toml). What TARGET cannot hold is said on stderr. With
+    --lerobot each recording of a folder is an episode.
     """
     if (target is None) == (lerobot is None):
         raise click.UsageError("one TARGET wanted: a file, or --lerobot FOLDER")
@@ -127,11 +128,11 @@ def convert(
         return
     from tactile.sources.convert import convert as write  # imported when used
 
-    opened = None
+    opened = None if layout is None else open_source(source, layout)
     if tared:
         from tactile.export.tared import tared as after_tare  # the same
 
-        opened = after_tare(source)
+        opened = after_tare(source, layout)
     there = target.exists()
     done = write(source, target, replace, watch, opened)
     for note in done.notes:

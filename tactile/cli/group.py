@@ -14,6 +14,7 @@ from tactile.cli.calibrate import calibrate
 from tactile.cli.devices import emulate, ports
 from tactile.cli.explain import explain
 from tactile.cli.files import convert, new
+from tactile.cli.layout import layout
 from tactile.cli.planes import codes, planes
 from tactile.cli.run import run
 from tactile.cli.score import score
@@ -41,6 +42,6 @@ def main() -> None:
 
 for command in (
     run, score, sweep_command(SWEEPS, "tactile", "grips.toml", "seed,frames"), texture, planes, codes, new, calibrate,
-    explain, accuracy, ports, emulate, record, replay, convert, live, write_examples,
+    explain, accuracy, ports, emulate, record, replay, convert, layout, live, write_examples,
 ):  # fmt: skip
     main.add_command(command)

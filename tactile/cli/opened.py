@@ -16,17 +16,22 @@ from tactile.sources import open_source
 
 if TYPE_CHECKING:
     from tactile.cli.port.live import LiveOptions
+    from tactile.layout.layout import Layout
     from tactile.simulator.bump_cover import Bumps
 
 
 @dataclass(frozen=True)
 class RunChoices:
-    """Choices of a user of `tactile run`: ``options``, mode of ``tare``, ``gains`` or a ``calibration`` file."""
+    """Choices of a user of `tactile run`: ``options``, mode of ``tare``, ``gains`` or a ``calibration`` file.
+
+    ``layout``: that of tables of other programs.
+    """
 
     options: PipelineOptions
     tare: TareMode | None = None
     gains: Gains | None = None
     calibration: Path | None = None
+    layout: "Layout | Path | None" = None
 
 
 @dataclass(frozen=True)
@@ -46,7 +51,7 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
     Raises:
         InputError: it cannot be opened, its readings have no unit, or the choices do not fit it.
     """
-    source = open_source(path)
+    source = open_source(path, choices.layout)
     known = provenance(source)
     if known.uncalibrated and choices.calibration is None and choices.gains is None:
         raise InputError(

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 FILE = click.Path(path_type=Path)
 PROTOCOL = click.option("--protocol", type=click.Choice(list(NAMES)), help="For devices that need no --array.")
+LAYOUT = click.option(
+    "--layout", type=FILE, help="Layout of tables of other programs (TOML) [layout.toml next to them]."
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 ARRAY = click.option("--array", "-a", type=FILE, help="Array description (TOML); CONNECT.md has the format.")
 

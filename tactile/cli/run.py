@@ -10,7 +10,7 @@ from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.terminal import echo, say
 from tactile.calibration.live_tare import TareMode
 from tactile.cli.opened import RunChoices, gains_of, open_for_run
-from tactile.cli.options import FILE, JSON, TareChoice, check_thresholds, detection
+from tactile.cli.options import FILE, JSON, LAYOUT, TareChoice, check_thresholds, detection
 from tactile.core.source import Source, provenance, with_frames
 from tactile.settings import PipelineOptions
 from tactile.sources import is_folder_of_recordings
@@ -46,15 +46,17 @@ from tactile.wire.source import WireSource
 @click.option("--gains", help="SHEAR,NORMAL: factors from readings to strain, stress or force (eq. 15).")
 @click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin.")
 @click.option("--backend", type=click.Choice(backends.NAMES), help="Where the machine runs [cpu].")
+@LAYOUT
 @JSON
 def run(
     source: Path, output: Path | None, parquet: bool, tare: TareMode | None, gains: str | None,
-    calibration: Path | None, as_json: bool, **chosen: Any,
+    calibration: Path | None, layout: Path | None, as_json: bool, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on a scene, a recording or a folder.
 
-    SOURCE is a scene (.toml), a recording (.npz, .csv, .parquet, .mcap) or a ROS bag (.bag, .db3 or a folder); or
-    a folder of them, whose events make one table, events.csv: an unreadable recording is a row with its error.
+    SOURCE is a scene (.toml), a recording (.npz, .csv, .parquet, .mcap), a ROS bag (.bag, .db3 or a folder), or a
+    table of another program, which has a --layout; or a folder of them, whose events make one table, events.csv: an
+    unreadable recording is a row with its error.
     """
     from tactile import pipeline  # imported when used
     from tactile.output.collected import Collected  # the same
@@ -69,7 +71,7 @@ def run(
     check_thresholds(chosen)
     if calibration is not None and gains is not None:
         raise click.UsageError("--calibration has gains; leave out --gains")
-    choices = RunChoices(PipelineOptions(**chosen), tare, gains_of(gains), calibration)
+    choices = RunChoices(PipelineOptions(**chosen), tare, gains_of(gains), calibration, layout)
     if is_folder_of_recordings(source):
         from tactile.cli.run_folder import run_folder  # imported when used
 

@@ -1,7 +1,7 @@
 """Runs many recordings through the pipeline into one table of events."""
 
 from collections import Counter
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ import cnnsim
 from cnnsim.support import InputError
 from cnnsim.support.command_line import print_json, watched
 from cnnsim.support.extras import need
-from cnnsim.support.terminal import echo, say_table
+from cnnsim.support.terminal import echo, say, say_table
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.core.source import provenance, with_frames
@@ -18,8 +18,11 @@ from tactile.output.event_table import TOLD, UNITS, event_row, write_events
 from tactile.output.invalid_readings import InvalidReadings
 from tactile.output.json_data import settings_data
 from tactile.pipeline import FrameReport
-from tactile.sources import recordings_in
+from tactile.sources import layout_of, passed_over, recordings_in
 from tactile.thresholds.levels import Levels
+
+MOST_PASSED = 20
+"""Largest number of files passed over that are listed."""
 
 
 @dataclass
@@ -55,9 +58,12 @@ def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parque
     Raises:
         InputError: none in it, none that can be run, or a table that cannot be written.
     """
-    files = recordings_in(folder)
+    layout = layout_of(folder, choices.layout)
+    files, passed = recordings_in(folder, layout), passed_over(folder, layout)
+    left = [f"{name}: passed over, {why}" for name, why in passed.items()]
     if not files:
-        raise InputError(f"{folder}: no recordings or scenes in it, which are wanted")
+        raise InputError(f"{folder}: no recordings or scenes in it, which are wanted{'; '.join(['', *left])}")
+    choices = replace(choices, layout=layout)
     if parquet:
         need("tactile.recording.parquet_rows", "a Parquet table")  # fails before the work
     rows: list[dict[str, Any]] = []
@@ -78,7 +84,7 @@ def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parque
         "version": cnnsim.__version__, "folder": folder.name, "options": options,
         "tare": choices.tare, "gains": None if choices.gains is None else asdict(choices.gains),
         "calibration": None if choices.calibration is None else choices.calibration.name,
-        "columns": TOLD, "units": dict(UNITS), "recordings": recordings,
+        "columns": TOLD, "units": dict(UNITS), "recordings": recordings, "passed_over": passed,
     }  # fmt: skip
     if output is not None:
         write_events(output, rows, head, parquet=parquet)
@@ -86,6 +92,8 @@ def run_folder(folder: Path, choices: RunChoices, output: Path | None, *, parque
         print_json({**head, "events": rows})
     else:
         _print(recordings)
+        for line in left[:MOST_PASSED]:
+            say(line, err=True)
     if output is not None:
         also = f", {output / 'events.parquet'}" if parquet else ""
         echo(f"wrote {output / 'events.csv'}{also}", err=as_json)
@@ -115,7 +123,7 @@ def _print(recordings: list[dict[str, Any]]) -> None:
             continue
         events = ", ".join(f"{count} {kind}" for kind, count in one["events"].items()) or "no events"
         lines.append((one["recording"], f"{one['frames']} frames in {one['seconds']:.1f} s: {events}"))
-        lines += [("", line) for line in one["unread"]]
+        lines += [("", line) for line in (*one["notes"], *one["unread"])]
     say_table(lines, 40)
     broken = sum("error" in one for one in recordings)
     total = sum(sum(one.get("events", {}).values()) for one in recordings)

@@ -8,7 +8,7 @@ import click
 from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json, watched
 from cnnsim.support.terminal import echo
-from tactile.cli.options import ARRAY, FILE, JSON, Finite, check_thresholds, detection
+from tactile.cli.options import ARRAY, FILE, JSON, LAYOUT, Finite, check_thresholds, detection
 from tactile.core.source import Source, provenance
 from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
@@ -46,12 +46,13 @@ FEW = 0.5
 @click.option(
     "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file has no rate_hz."
 )
+@LAYOUT
 @detection
 @JSON
 def score(
     recordings: Path | None, labels: Path | None, grasps: int, from_seed: int, idle_minutes: float, half: str,
     window_ms: float, as_json: bool, array: Path | None, gains: tuple[float, ...], kinds: tuple[str, ...],
-    rate: float | None, **chosen: Any,
+    rate: float | None, layout: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Compare events with labels or with simulated grasps.
 
@@ -85,7 +86,7 @@ def score(
         from tactile.score.measure import score as measure  # the same
 
         def opened(path: Path) -> tuple[Source, Settings]:
-            source = open_source(path)
+            source = open_source(path, layout)
             return source, settings(source)
 
         known = read_labels(labels)

@@ -12,7 +12,7 @@ from cnnsim.support import InputError
 from cnnsim.support.command_line import examples, print_json
 from cnnsim.support.files import check_free, write_text
 from cnnsim.support.terminal import echo, say_table
-from tactile.cli.options import FILE, JSON, Finite
+from tactile.cli.options import FILE, JSON, LAYOUT, Finite
 
 if TYPE_CHECKING:
     from tactile.materials.assessment import Assessment
@@ -28,6 +28,7 @@ def _shared(command: Callable[..., None]) -> Callable[..., None]:
                      " stop_s, speed_mm_s, block."),
         click.option("--window", type=int, default=128, show_default=True, help="Samples of a window."),
         click.option("--speed", type=float, help="Speed of all slides [mm/s]: spectra are then in 1/m."),
+        LAYOUT,
         JSON,
     )):  # fmt: skip
         command = option(command)
@@ -66,7 +67,7 @@ def texture() -> None:
 @_shared
 def train(
     folder: Path, output: Path, features: str, replace: bool, labels: Path | None, window: int, speed: float | None,
-    as_json: bool,
+    layout: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Learn the materials of slides, and write a model."""
     from tactile.materials.features import feature_set  # NumPy is slow to import
@@ -77,7 +78,7 @@ def train(
     learner("neighbors")
     check_suffix(output)
     check_free(output, replace=replace)
-    slides = _slides(folder, labels, speed)
+    slides = _slides(folder, labels, speed, layout)
     model, unknown = learn(slides, feature_set(features, window, slides))
     write_model(output, model)
     auroc = sum(unknown.values()) / len(unknown) if unknown else None
@@ -100,7 +101,8 @@ def train(
               help="Confidence below which a material is unknown.")  # fmt: skip
 @_shared
 def classify(
-    source: Path, model: Path, confidence: float, labels: Path | None, window: int, speed: float | None, as_json: bool,
+    source: Path, model: Path, confidence: float, labels: Path | None, window: int, speed: float | None,
+    layout: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Classify the materials of slides.
 
@@ -112,7 +114,7 @@ def classify(
 
     known = read_model(model)
     _check_window(window, known.features.window)
-    table = cut(_slides(source, labels, speed), known.features, known.features.window)
+    table = cut(_slides(source, labels, speed, layout), known.features, known.features.window)
     notes, told = strange(known, table), told_slides(known, table, confidence)
     labelled = [one for one in told if one["known"] and one["told"] is not None]
     right = sum(one["told"] == one["known"] for one in labelled)
@@ -143,7 +145,8 @@ def classify(
 @click.option("-o", "--output", type=FILE, help="Folder for figures.png, confusion.png and report.json.")
 @_shared
 def report(
-    folder: Path, output: Path | None, labels: Path | None, window: int, speed: float | None, as_json: bool
+    folder: Path, output: Path | None, labels: Path | None, window: int, speed: float | None, layout: Path | None,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Measure how well materials are classified.
 
@@ -159,7 +162,7 @@ def report(
     from tactile.materials.windows import cut  # the same
 
     learner("neighbors")
-    slides = _slides(folder, labels, speed)
+    slides = _slides(folder, labels, speed, layout)
     found, tables = [], {}
     for kind in KINDS:
         features = feature_set(kind, window, slides)
@@ -185,11 +188,11 @@ def report(
         echo(f"wrote {', '.join(str(output / name) for name in names)}", err=as_json)
 
 
-def _slides(path: Path, labels: Path | None, speed: float | None) -> "list[Slide]":
+def _slides(path: Path, labels: Path | None, speed: float | None, layout: Path | None) -> "list[Slide]":
     from tactile.materials.slide_folder import read_slides
     from tactile.materials.slide_labels import read_slide_labels
 
-    slides = read_slides(path, None if labels is None else read_slide_labels(labels))
+    slides = read_slides(path, None if labels is None else read_slide_labels(labels), layout)
     return slides if speed is None else [changed(one, speed=speed * 1e-3) for one in slides]
 
 

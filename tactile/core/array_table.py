@@ -20,7 +20,7 @@ def take_array(table: Mapping[str, Any], unit: str, where: str, quantity: str | 
     """
     metres = {"m": 1.0, "mm": 1e-3}[unit]
     thickness = f"thickness_{unit}"
-    name, rows, cols, pitch, depth, (x, y), kind, thick = read_all(
+    name, rows, cols, pitch, depth, (x, y), kind, thick, shear = read_all(
         where,
         lambda: take(table, "name", str, where),
         lambda: take_count(table, "rows", where),
@@ -30,9 +30,10 @@ def take_array(table: Mapping[str, Any], unit: str, where: str, quantity: str | 
         lambda: [at * metres for at in take_numbers(table, f"origin_{unit}", 2, where, [0.0, 0.0])],
         lambda: take_quantity(table, where) if quantity is None else quantity,
         lambda: take_positive(table, thickness, where) * metres if thickness in table else None,
+        lambda: take(table, "shear", bool, where, True),
     )
     with located(table), naming(where):
-        return TaxelArray(name, rows, cols, pitch, depth, (x, y), kind, thick)
+        return TaxelArray(name, rows, cols, pitch, depth, (x, y), kind, thick, shear)
 
 
 def take_count(table: Mapping[str, Any], key: str, where: str) -> int:
@@ -67,6 +68,8 @@ def array_table(array: TaxelArray, unit: str) -> dict[str, Any]:
     table |= {f"pitch_{unit}": float(array.pitch) * scale, f"depth_{unit}": float(array.depth) * scale}
     if array.thickness is not None:
         table[f"thickness_{unit}"] = float(array.thickness) * scale
+    if not array.shear:
+        table |= {"shear": False} if unit == "m" else {"axes": ["z"]}
     return table | {f"origin_{unit}": [float(at) * scale for at in array.origin], "quantity": array.quantity}
 
 

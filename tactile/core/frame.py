@@ -35,7 +35,7 @@ class TaxelArray:
     Arguments: ``rows``, ``cols``; ``pitch`` [m] between neighbours; ``depth`` [m] of the taxels below the surface of
     the cover (unused for force sensors); ``origin`` [m], the (x, y) of the centre of the array; ``thickness`` [m] of
     the cover over its rigid base, at least the depth: loads are then located on a layer of this thickness, or on a
-    half-space if None.
+    half-space if None; ``shear``: False for force taxels that measure the normal alone, whose shear is 0.
 
     Raises:
         InputError: a name of other characters than letters, digits, - and _, an empty or too large array, a
@@ -50,6 +50,7 @@ class TaxelArray:
     origin: tuple[float, float] = (0.0, 0.0)
     quantity: Quantity = "strain"
     thickness: float | None = None
+    shear: bool = True
 
     def __post_init__(self) -> None:
         lengths = all(isinstance(one, Real) for one in (self.pitch, self.depth))
@@ -76,6 +77,11 @@ class TaxelArray:
         if self.quantity not in get_args(Quantity):
             wanted = ", ".join(get_args(Quantity))
             raise InputError(f"taxel array {self.name!r}: quantity {self.quantity!r}, one of {wanted} wanted")
+        if not self.shear and self.quantity != "force":
+            raise InputError(
+                f'taxel array {self.name!r}: {self.quantity} of the normal alone; quantity "force" wanted, because'
+                " loads are located from normal and shear"
+            )
         self._take_origin()
         for name, kind in (("rows", int), ("cols", int), ("pitch", float), ("depth", float)):
             object.__setattr__(self, name, kind(getattr(self, name)))

@@ -19,6 +19,7 @@ CSV stores it in comment lines, NPZ in the array ``tactile``, Parquet in its met
     thickness_m = 0.002                    (of the cover; optional)
     origin_m = [0.0, 0.0]
     quantity = "strain"                    (strain, stress or force)
+    shear = false                          (the taxels measure the normal alone; optional)
     calibrated = false                     (readings are in the unit of the wire; optional)
 """
 
@@ -35,7 +36,8 @@ TOP_KEYS = (
     "tactile_recording", "title", "youngs_modulus_pa", "start_ns", "untared", "array_description", "live_choices",
     "damage", "finger",
 )  # fmt: skip
-FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "thickness_m", "origin_m", "quantity", "calibrated")
+FINGER_KEYS = ("name", "rows", "cols", "pitch_m", "depth_m", "thickness_m", "origin_m", "quantity", "shear",
+               "calibrated")  # fmt: skip
 NEEDED = ("name", "rows", "cols", "pitch_m", "depth_m", "quantity")
 
 

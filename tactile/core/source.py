@@ -6,8 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
+from cnnsim.support import InputError
 from cnnsim.support.notices import Notices
 from tactile.core.frame import Frame, TaxelArray
+
+
+class ForeignFileError(InputError):
+    """A file of a known kind that another program wrote: it has no header of a recording."""
 
 
 class Source(Protocol):
@@ -76,7 +81,8 @@ def report_damage(path: Path, damage: str) -> None:
 class FrameStream:
     """A source of given frames, iterable as often as ``stream`` is; other attributes as in ``Source``.
 
-    ``tare_requests``: one entry per requested tare that is not taken yet, True to force it.
+    ``tare_requests``: one entry per requested tare that is not taken yet, True to force it; ``notes``: sentences about
+    what its reader assumed, repaired or skipped.
     """
 
     title: str
@@ -86,6 +92,7 @@ class FrameStream:
     stream: Iterable[Frame] = field(repr=False)
     provenance: Provenance = field(default_factory=Provenance, repr=False)
     tare_requests: deque[bool] = field(default_factory=deque, repr=False)
+    notes: tuple[str, ...] = field(default=(), repr=False)
 
     def __iter__(self) -> Iterator[Frame]:
         return iter(self.stream)

@@ -15,16 +15,16 @@ from tactile.core.source import FrameStream, provenance
 from tactile.settings import PipelineOptions
 
 
-def open_for_export(path: Path) -> Opened:
-    """Open a scene or recording with the settings of `tactile run`.
+def open_for_export(path: Path, layout: Path | None = None) -> Opened:
+    """Open a scene, a recording or a table with a ``layout``, with the settings of `tactile run`.
 
     Raises:
         InputError: it cannot be opened, or its readings have no unit.
     """
-    return open_for_run(path, RunChoices(PipelineOptions()))
+    return open_for_run(path, RunChoices(PipelineOptions(), layout=layout))
 
 
-def tared(path: Path) -> FrameStream:
+def tared(path: Path, layout: Path | None = None) -> FrameStream:
     """Return the frames of a scene or recording after tare and gains, as the pipeline processes them.
 
     Taxels are not valid until the first tare. The header keeps the Unix time of t = 0, and says that no tare is needed.
@@ -32,7 +32,7 @@ def tared(path: Path) -> FrameStream:
     Raises:
         InputError: as `open_for_export`.
     """
-    opened = open_for_export(path)
+    opened = open_for_export(path, layout)
     source = opened.source
     known = replace(provenance(source), untared=False, uncalibrated=(), choices="")
     return FrameStream(source.title, source.arrays, source.modulus, source.frames, _Tared(opened), known)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +16,10 @@ from tactile.materials.slide_file import blocks, is_slide_file, read_slide_file
 from tactile.materials.slide_labels import SlideLabel
 from tactile.pipeline import FrameReport
 from tactile.settings import Settings
-from tactile.sources import is_bag, open_source, recordings_in
+from tactile.sources import is_bag, layout_of, open_source, recordings_in
+
+if TYPE_CHECKING:
+    from tactile.layout.layout import Layout
 
 PRESSED = 0.2
 """Part of the firm load above which a finger is pressed: a slide lasts from the first to the last such time."""
@@ -23,17 +27,20 @@ FIRM = 95
 """Percentile of the normal load that is the firm load."""
 
 
-def read_slides(path: Path, labels: list[SlideLabel] | None = None) -> list[Slide]:
+def read_slides(
+    path: Path, labels: list[SlideLabel] | None = None, layout: "Layout | Path | None" = None
+) -> list[Slide]:
     """Return the slides of a file or of all files in a folder.
 
     An NPZ file of slides has their materials. In any other recording or scene each finger makes one slide, from the
     load of the pipeline. Its material comes from the ``labels``, else from the name of its folder within ``path``. With
-    labels, recordings without one are skipped.
+    labels, recordings without one are skipped. ``layout``: that of tables of other programs.
 
     Raises:
         InputError: no slides, a label without its recording, or errors of a reader.
     """
-    files = _files(path)
+    layout = layout_of(path, layout)
+    files = _files(path, layout)
     if labels is not None and (missing := {one.recording for one in labels} - {file.stem for file, _ in files}):
         raise InputError(f"{path}: no recording {', '.join(sorted(missing))}, which the labels name")
     slides: list[Slide] = []
@@ -49,7 +56,7 @@ def read_slides(path: Path, labels: list[SlideLabel] | None = None) -> list[Slid
         if labels is not None:
             mine = [one for one in labels if one.recording == file.stem]
         if mine:
-            for label, slide in _slides(open_source(file), mine):
+            for label, slide in _slides(open_source(file, layout), mine):
                 loose += [len(slides)] if label.block is None else []
                 slides.append(slide)
     if not slides:
@@ -60,12 +67,13 @@ def read_slides(path: Path, labels: list[SlideLabel] | None = None) -> list[Slid
     return slides
 
 
-def _files(path: Path) -> list[tuple[Path, str]]:
+def _files(path: Path, layout: "Layout | None") -> list[tuple[Path, str]]:
     """Return the files to read, each with the name of its folder within ``path``."""
     if not path.is_dir() or is_bag(path):
         return [(path, "")]
     inside = [one for one in sorted(path.iterdir()) if one.is_dir() and not is_bag(one)]
-    return [(one, "") for one in recordings_in(path)] + [(one, up.name) for up in inside for one in recordings_in(up)]
+    labelled = [(one, up.name) for up in inside for one in recordings_in(up, layout)]
+    return [(one, "") for one in recordings_in(path, layout)] + labelled
 
 
 class _Loads:

@@ -15,7 +15,7 @@ from mcap.records import Attachment, Channel, Message, Metadata
 from cnnsim.support import InputError
 from tactile.core.frame import Frame
 from tactile.core.header import RecordingHeader, read_header
-from tactile.core.source import UNCLOSED, Provenance
+from tactile.core.source import UNCLOSED, ForeignFileError, Provenance
 from tactile.recording import schema
 from tactile.recording.records import Closed, Damage, records
 from tactile.wire.description import Description
@@ -190,7 +190,7 @@ def open_recording(path: Path) -> Recorded:
             damage.append(record.what)
         closed = closed or isinstance(record, Closed)
     if data is None or not made:
-        raise InputError(f"{path}: not a recording of this program: an MCAP file with array.toml attached wanted")
+        raise ForeignFileError(f"{path}: not a recording of this program: an MCAP file with array.toml attached wanted")
     start, text = _checked(path, made, data)
     unknown = sum(count for number, count in numbers.items() if number not in topics)
     if unknown:

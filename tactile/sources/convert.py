@@ -62,7 +62,7 @@ def convert(
             WRITERS[suffix](beside, with_frames(opened, frames))
         if not seen.frames:
             raise InputError(f"{source}: no frames in it, at least one wanted; {target} is not written")
-    notes = _assumed(source, opened)
+    notes = [*getattr(opened, "notes", ()), *_assumed(source, opened)]
     if not copied:
         notes += _left_behind(source, opened)
     if suffix == ".csv" and seen.masked:

@@ -17,6 +17,7 @@ shear_y and normal of taxel row * cols + col. A finger with fewer taxels has sho
 the taxel invalid; ``t_device_s`` is empty where the device has no clock.
 """
 
+import codecs
 import csv
 from pathlib import Path
 
@@ -27,7 +28,7 @@ from cnnsim.support.errors import SHOWN, cut
 from cnnsim.support.limits import TABLE, check_file, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
-from tactile.core.source import FrameStream, Source
+from tactile.core.source import ForeignFileError, FrameStream, Source
 
 FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence", "flags")
 
@@ -41,6 +42,8 @@ def read_csv(path: Path) -> FrameStream:
     """
     with one_line(path, "a CSV recording"):
         check_file(path, "recording", TABLE)
+        if _start(path) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            raise ForeignFileError(f"{path}: UTF-16 text")
         lines = path.read_text(encoding="utf-8-sig").rstrip("\n").split("\n")
         return _read(path, lines)
 
@@ -48,6 +51,8 @@ def read_csv(path: Path) -> FrameStream:
 def _read(path: Path, lines: list[str]) -> FrameStream:
     start = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
     text = "\n".join(line[1:].lstrip() for line in lines[:start])
+    if not any(line.startswith("# tactile_recording") for line in lines[:start]):
+        raise ForeignFileError(f"{path}: no header of a recording")
     head = read_header(text, str(path), "the comment lines at the top")
     arrays = head.arrays
     rows = csv.reader(lines[start:])
@@ -137,3 +142,8 @@ def _number(cell: str, where: str) -> float:
         return float(cell) if cell.strip() else float("nan")
     except ValueError as error:
         raise InputError(f"{where} = {cell!r}, a number or nothing wanted") from error
+
+
+def _start(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(2)

@@ -28,7 +28,7 @@ def read_npz(path: Path) -> FrameStream:
         InputError: no such file, no NPZ file, a wrong header, a missing array or one of the wrong shape.
     """
     with open_npz(path, "recording") as file:
-        if "tactile" not in file.files:
+        if "tactile" not in file.files or file["tactile"].dtype.kind != "U":
             return read_pillars(file, path)
         header = read_header(str(file["tactile"]), str(path), "array tactile")
         frames = ColumnFrames([_columns(file, n, array, path) for n, array in enumerate(header.arrays)])

@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 from pyarrow import parquet  # type: ignore[import-untyped]  # it ships no types
 
-from cnnsim.support import InputError
 from cnnsim.support.limits import check_plain, check_unpacked, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
-from tactile.core.source import FrameStream, Source
+from tactile.core.source import ForeignFileError, FrameStream, Source
 from tactile.recording.parquet_rows import ParquetRows
 
 KEY = b"tactile"
@@ -78,7 +77,7 @@ def read_parquet(path: Path) -> FrameStream:
     text = (schema.metadata or {}).get(KEY)
     missing = [name for name in COLUMNS if name not in schema.names and name != "flags"]
     if text is None or missing:
-        raise InputError(
+        raise ForeignFileError(
             f"{path}: columns {', '.join(schema.names)}, {'a' if text is not None else 'no'} header; columns"
             f" {', '.join(COLUMNS)} and a header {KEY.decode()!r} in the metadata wanted"
         )

@@ -10,7 +10,7 @@ import numpy as np
 
 from cnnsim.support import InputError
 from tactile.core.frame import FLAGS, TaxelArray
-from tactile.core.source import FrameStream, Provenance
+from tactile.core.source import ForeignFileError, FrameStream, Provenance
 from tactile.sources.columns import ColumnFrames, take_column
 
 PILLAR_PITCH = 7e-3
@@ -54,7 +54,7 @@ def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarStream:
     found = sorted(int(m[1]) for name in file.files if (m := re.fullmatch(r"s(\d+)_force", name)))
     if not found:
         names = ", ".join(file.files) or "nothing"
-        raise InputError(f"{path}: holds {names}; s0_force, s0_t_ns, s0_seq, s0_tus wanted")
+        raise ForeignFileError(f"{path}: holds {names}; s0_force, s0_t_ns, s0_seq, s0_tus wanted")
     arrays, fingers = zip(*(_read_sensor(file, number, path) for number in found), strict=True)
     start = min(int(columns["place"].min()) for columns in fingers)
     for columns in fingers:

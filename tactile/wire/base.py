@@ -132,10 +132,14 @@ class Talk:
 
 @dataclass(frozen=True)
 class Options:
-    """Parameters of a format: ``shapes`` (rows, cols) of the boards, and ``extra`` options of that format."""
+    """Parameters of a format: ``shapes`` (rows, cols) of the boards, and ``extra`` options of that format.
+
+    ``axes``: numbers of a taxel, 3 or 1 (the normal alone).
+    """
 
     shapes: tuple[tuple[int, int], ...]
     extra: dict[str, Any] = field(default_factory=dict)
+    axes: int = 3
 
     @property
     def taxels(self) -> tuple[int, ...]:

@@ -14,8 +14,9 @@ from tactile.wire.registry import Format
 class Board:
     """Mapping of the readings of one board to the frames of a finger.
 
-    ``turn`` (3, 3) maps device axes to (shear_x, shear_y, normal); ``gains`` is None if the unit of the wire is that of
-    the quantity, or if the board is uncalibrated; ``cells`` (rows, cols) chip numbers, -1 for none.
+    ``turn`` (3, 3) maps device axes to (shear_x, shear_y, normal), (3, 1) if the board measures the normal alone;
+    ``gains`` is None if the unit of the wire is that of the quantity, or if the board is uncalibrated; ``cells`` (rows,
+    cols) chip numbers, -1 for none.
     """
 
     array: TaxelArray

@@ -1,7 +1,7 @@
 """Array description files (TOML): boards, wire format, gains and thresholds of a device.
 
 title = "gripper"
-protocol = "reskin"             # one of tactile.wire.registry.NAMES
+protocol = "reskin"             # one of tactile.wire.registry.NAMES; csv if there is a [layout] of foreign tables
 baudrate = 115200               # optional
 youngs_modulus_mpa = 0.4        # of the cover; required for strain
 [options]                       # of the protocol; optional
@@ -12,7 +12,7 @@ cols = 3
 pitch_mm = 7.0
 depth_mm = 2.0
 quantity = "strain"             # of the readings after the gains: strain, stress or force
-axes = ["x", "y", "-z"]         # device axes of shear_x, shear_y and normal
+axes = ["x", "y", "-z"]         # device axes of shear_x, shear_y and normal; ["z"] or ["-z"]: the normal alone
 gains = [1e-5, 2e-5]            # shear, normal: eq. (15); quantity per unit of the wire
 cells = [[-1, 1, -1], [4, 0, 2], [-1, 3, -1]]   # chip number of each cell, -1 for none
 [thresholds]                    # defaults of the command line; each is optional
@@ -23,6 +23,7 @@ sigmas = [4, 6, 3]              # as --sigmas
 sign_code = false               # as --sign-code
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,11 +52,15 @@ from tactile.wire.description import Board, Description
 from tactile.wire.registry import Format, find_format
 
 MODULUS = "youngs_modulus_mpa"
-TOP_KEYS = ("title", "protocol", "baudrate", MODULUS, "options", "thresholds", "finger")
+TOP_KEYS = ("title", "protocol", "baudrate", MODULUS, "options", "thresholds", "layout", "finger")
+"""Keys of the file; ``layout`` is that of `tactile.layout.layout`, for tables of other programs."""
 FINGER_KEYS = (
     "name", "rows", "cols", "pitch_mm", "depth_mm", "thickness_mm", "origin_mm", "quantity", "axes", "gains", "cells",
+    "columns", "order", "dims", "where",
 )  # fmt: skip
 
+NORMAL_ALONE = {"z": 1.0, "+z": 1.0, "-z": -1.0}
+"""Axis of boards that measure the normal alone -> its sign."""
 NEEDED = ("name", "rows", "cols", "pitch_mm", "depth_mm", "quantity")
 """Required keys of a [[finger]]."""
 
@@ -85,13 +90,13 @@ def parse_description(text: str, where: str) -> Description:
     table = parse_toml(text, where)
     refuse_other_kind(table, where, "array description")
     faults = ErrorList(where)
-    faults.check(table, TOP_KEYS, "", ("protocol", "finger"))
+    faults.check(table, TOP_KEYS, "", ("finger",) if "layout" in table else ("protocol", "finger"))
     boards = []
     with faults.collecting():
         for number, finger in enumerate(take_tables(table, "finger", where), 1):
             faults.check(finger, FINGER_KEYS, f"finger {number}", NEEDED)
             with faults.collecting():
-                boards.append(_board(finger, f"{where}: finger {number}"))
+                boards.append(take_board(finger, f"{where}: finger {number}"))
     thresholds = take_choices(table.get("thresholds", {}), faults, "[thresholds]")
     with faults.collecting():
         wire, title, extra, baudrate, modulus = read_all(
@@ -113,7 +118,12 @@ def parse_description(text: str, where: str) -> Description:
             f"{where}: [thresholds]: levels for fingers of {' and '.join(quantities)}; fingers of one quantity,"
             f" or sigmas alone wanted, because levels have one unit{line_of(table['thresholds'])}"
         )
-    options = Options(tuple(_wire_shape(board) for board in boards), extra)
+    axes = {board.turn.shape[1] for board in boards}
+    if len(axes) > 1 or (axes == {1} and not wire.normal_alone):
+        raise InputError(
+            f"{where}: axes = ['z'] of protocol {wire.name!r}: the normal alone, which all boards of csv may send"
+        )
+    options = Options(tuple(_wire_shape(board) for board in boards), extra, axes.pop())
     wire.decoder(options)  # reports wrong options now
     return Description(
         title or wire.summary, wire, baudrate or wire.baudrate, modulus, options, tuple(boards), text, thresholds
@@ -121,7 +131,7 @@ def parse_description(text: str, where: str) -> Description:
 
 
 def _format(table: dict[str, Any], where: str) -> Format:
-    name = take(table, "protocol", str, where)
+    name = take(table, "protocol", str, where, *(["csv"] if "layout" in table else []))
     with located(table, "protocol"):
         return find_format(name)
 
@@ -138,7 +148,12 @@ def default_description(protocol: str) -> Description:
     return parse_description(toml_text({"protocol": protocol}, wire.fingers), protocol)
 
 
-def _board(table: dict[str, Any], where: str) -> Board:
+def take_board(table: dict[str, Any], where: str) -> Board:
+    """Return the board of a [[finger]].
+
+    Raises:
+        InputError: a missing key or a wrong value.
+    """
     array, turn, gains, cells = read_all(
         where,
         lambda: take_array(table, "mm", where),
@@ -146,6 +161,9 @@ def _board(table: dict[str, Any], where: str) -> Board:
         lambda: _gains(table, where) if "gains" in table else None,
         lambda: take(table, "cells", list, where, []),
     )
+    if turn.shape[1] == 1:
+        with located(table, "quantity"), naming(where):
+            array = replace(array, shear=False)
     with located(table, "cells"):
         return Board(array, turn, gains, _cells(cells, array, where) if "cells" in table else _whole(array))
 
@@ -158,12 +176,14 @@ def _gains(table: dict[str, Any], where: str) -> Gains:
 
 def _turn(table: dict[str, Any], where: str) -> Floats:
     axes, turn = take(table, "axes", list, where, ["x", "y", "z"]), np.zeros((3, 3))
+    if len(axes) == 1 and axes[0] in NORMAL_ALONE:
+        return np.array([[0.0], [0.0], [NORMAL_ALONE[axes[0]]]])
     for row, axis in enumerate(axes):
         if not isinstance(axis, str) or axis.lstrip("+-") not in ("x", "y", "z") or len(axis) > 2 or row > 2:
             break
         turn[row, "xyz".index(axis[-1])] = -1.0 if axis[0] == "-" else 1.0
     if abs(np.linalg.det(turn)) != 1.0:
-        wanted = "each of x, y, z once wanted, such as ['x', '-y', '-z']"
+        wanted = "each of x, y, z once wanted, such as ['x', '-y', '-z'], or ['z'] for the normal alone"
         raise InputError(f"{where}: axes = {axes!r}, {wanted}{line_of(table, 'axes')}")
     return turn
 

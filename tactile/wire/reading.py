@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from cnnsim.support import Floats
 
 Taxels = Floats
-"""(taxels, 3): readings in the device's order and unit, last axis (x, y, z) of the device."""
+"""(taxels, 3): readings in the device's order and unit, last axis (x, y, z) of the device; (taxels, 1): z alone."""
 
 
 @dataclass

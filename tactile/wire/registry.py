@@ -26,8 +26,8 @@ class Format:
 
     ``strong``: reading of a firm touch, for emulators of uncalibrated devices, None if the device sends the quantity
     itself; ``pushes``: z is positive when pressed and cannot be negative; ``calibrated``: readings are the quantity;
-    ``single``: it has one array; ``blanks``: a reading may be NaN; ``fingers``: their tables if the device has only one
-    form.
+    ``single``: it has one array; ``blanks``: a reading may be NaN; ``normal_alone``: a taxel may have z only;
+    ``fingers``: their tables if the device has only one form.
     """
 
     name: str
@@ -42,6 +42,7 @@ class Format:
     calibrated: Callable[[Options], bool] = lambda options: True
     single: bool = False
     blanks: bool = False
+    normal_alone: bool = False
     fingers: tuple[dict[str, Any], ...] = ()
 
 

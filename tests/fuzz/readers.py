@@ -95,6 +95,7 @@ def _bag(path: Path) -> None:
 
     with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())):
         try:
-            bag_process._tell(path if path.suffix == ".bag" else path.parent)
+            with bag_process._opened(path if path.suffix == ".bag" else path.parent) as bag:
+                bag_process._write_frames(bag)
         except Exception as error:  # as the process itself: the library raises anything
             raise InputError(f"{type(error).__name__}: {error}") from error
