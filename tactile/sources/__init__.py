@@ -57,7 +57,10 @@ def open_source(path: Path | str, layout: "Layout | Path | str | None" = None) -
             raise ForeignFileError(f"{path}: no recording of this program")
         module, read, what = READERS[suffix]
         source: Source = getattr(need(module, what), read)(path)
-    except ForeignFileError as error:
+    except InputError as error:
+        of_another = isinstance(error, ForeignFileError)
+        if not of_another and (chosen is None or not isinstance(error.__cause__, UnicodeDecodeError)):
+            raise
         if suffix == ".mcap" and (chosen is None or not chosen.topic):
             with suppress(InputError):  # a ROS 2 bag without its folder
                 found: Source = need(BAG[0], BAG[2]).read_bag(path)

@@ -17,7 +17,6 @@ shear_y and normal of taxel row * cols + col. A finger with fewer taxels has sho
 the taxel invalid; ``t_device_s`` is empty where the device has no clock.
 """
 
-import codecs
 import csv
 from pathlib import Path
 
@@ -42,8 +41,6 @@ def read_csv(path: Path) -> FrameStream:
     """
     with one_line(path, "a CSV recording"):
         check_file(path, "recording", TABLE)
-        if _start(path) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
-            raise ForeignFileError(f"{path}: UTF-16 text")
         lines = path.read_text(encoding="utf-8-sig").rstrip("\n").split("\n")
         return _read(path, lines)
 
@@ -142,8 +139,3 @@ def _number(cell: str, where: str) -> float:
         return float(cell) if cell.strip() else float("nan")
     except ValueError as error:
         raise InputError(f"{where} = {cell!r}, a number or nothing wanted") from error
-
-
-def _start(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(2)
