@@ -96,7 +96,9 @@ class CsvDecoder(Decoder):
             cells = body.split(b",") if only_commas else SPLIT.split(body)
             if len(cells) == self._count + self._after or not body.endswith(b","):
                 numbers = list(map(float, cells))
-                return numbers if math.isfinite(sum(numbers)) else [x if math.isfinite(x) else math.nan for x in numbers]
+                return (
+                    numbers if math.isfinite(sum(numbers)) else [x if math.isfinite(x) else math.nan for x in numbers]
+                )
         cells = SPLIT.split(LABEL.sub(b"", body).translate(BRACKETS).strip())
         if len(cells) > self._count + self._after and not cells[-1]:
             cells.pop()
