@@ -7,7 +7,8 @@ BIN    := $(VENV)/bin
 PIP    := PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet --no-compile
 LOCKED := $(PIP) --require-hashes -r
 ITSELF := $(PIP) --no-deps --no-build-isolation -e .
-EXTRAS := --extra opencl --extra serial --extra tables --extra fem --extra video --extra texture --extra scale
+EXTRAS := --extra opencl --extra serial --extra tables --extra fem --extra video --extra texture --extra scale \
+	--extra studio --extra notebook
 COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml - -c constraints.txt --universal \
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
@@ -26,6 +27,7 @@ check: $(VENV)/.test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	@if command -v tsc >/dev/null; then tsc -p tests/cnnsim/studio/tsconfig.json; else echo 'tsc is not there: the pages are not type-checked'; fi
 
 bench: $(VENV)/.bench        ## speed, as ratios to peers measured in the same run
 	$(BIN)/python -m tests.benchmarks -o out/bench

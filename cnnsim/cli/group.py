@@ -17,6 +17,7 @@ from cnnsim.cli.program import program
 from cnnsim.cli.robust import robust
 from cnnsim.cli.run import run
 from cnnsim.cli.show import show
+from cnnsim.cli.studio import studio
 from cnnsim.cli.sweep import sweep
 from cnnsim.cli.trace import trace
 from cnnsim.support.command_line import CommandGroup
@@ -43,6 +44,7 @@ for command in (
     program,
     trace,
     robust,
+    studio,
     sweep,
     new,
     design,

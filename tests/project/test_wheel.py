@@ -80,6 +80,7 @@ def _examples_without_extras(folder: Path, wheel: Path) -> None:
         "fem": (programs / "tactile", "run", "examples/scenes/bump.toml"),
         "opencl": (programs / "cnnsim", "run", "edge", "examples/scan.png", "-o", "edge.png", "--backend", "opencl"),
         "serial": (programs / "tactile", "convert", "examples/grasp.npz", "grasp.mcap"),
+        "studio": (programs / "cnnsim", "studio", "--no-browser"),
         "video": (programs / "cnnsim", "run", "edge", "examples/scan.png", "-o", "rim.png", "--trajectory", "rim.mp4"),
     }
     for extra, call in wanting.items():

@@ -1,0 +1,159 @@
+"""What a page takes away: template files, Python, a command, pictures and films of the run."""
+
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cnnsim.formats.files import WRITERS
+from cnnsim.library.write import template_text
+from cnnsim.network import LayeredTemplate, Template
+from cnnsim.studio.link import link_of
+from cnnsim.studio.message import Message
+from cnnsim.studio.setup import Setup, boundary_text
+from cnnsim.support import InputError
+from cnnsim.support.files import check_name
+from cnnsim.support.pictures.film import write_film
+from cnnsim.support.pictures.picture import to_image
+
+if TYPE_CHECKING:
+    from cnnsim.studio.session import Session
+
+FILM_FRAMES = 60
+"""Pictures of a film, at most."""
+
+
+def command_line(setup: Setup) -> str:
+    """Return the command that runs the setup on picture.png; a changed template is a file of its own."""
+    entry, own = setup.entry, setup.own
+    words = ["cnnsim run", f"{entry.name}.toml" if setup.changed else entry.name, "picture.png", "-o out.png"]
+    if setup.takes_second:
+        words.append("--state start.png")
+    if setup.changed:
+        return " ".join(words)  # the file has the rest
+    if entry.boundary != own.boundary:
+        words.append(f"--boundary {boundary_text(entry.boundary)}")
+    if entry.cell != own.cell:
+        words.append(f"--cell {entry.cell.model}")
+    if entry.duration != own.duration and entry.duration != "settled":
+        words.append(f"--time {entry.duration:g}")
+    chosen = {"scheme": setup.scheme, "step": entry.step, "accuracy": entry.accuracy}
+    words += [
+        f"--{key} {value}" for key, value in chosen.items() if value is not None and value != getattr(own, key, None)
+    ]
+    return " ".join([*words, *([f"--backend {setup.backend}"] if setup.backend != "cpu" else [])])
+
+
+def python_text(setup: Setup) -> str:
+    """Return Python that runs the setup on picture.png."""
+    entry, own, lines, names = setup.entry, setup.own, [], {"read_picture", "run"}
+    changes = {"network": _network_code(entry.network)} if setup.changed else {}
+    if entry.initial_state != own.initial_state:
+        changes["initial_state"] = repr(entry.initial_state)
+    name = repr(entry.name)
+    if changes:
+        names |= {"library"} | {word for word in _CLASSES if f"{word}(" in changes.get("network", "")}
+        given = "".join(f",\n    {key}={value}" for key, value in changes.items())
+        lines.append(f"entry = replace(\n    library.load({name}){given},\n)")
+        name = "entry"
+    words = [name, "picture"]
+    if setup.takes_second:
+        lines.append('start = read_picture("start.png")')
+        words.append("state=start")
+    chosen: dict[str, Any] = {
+        "boundary": boundary_text(entry.boundary),
+        "cell": entry.cell.model,
+        "duration": entry.duration,
+    }
+    usual: dict[str, Any] = {"boundary": boundary_text(own.boundary), "cell": own.cell.model, "duration": own.duration}
+    chosen |= {"scheme": setup.scheme, "step": entry.step, "accuracy": entry.accuracy, "backend": setup.backend}
+    usual |= {"scheme": None, "step": own.step, "accuracy": own.accuracy, "backend": "cpu"}
+    words += [f"{key}={value!r}" for key, value in chosen.items() if value != usual[key]]
+    head = ["from dataclasses import replace", ""] * bool(changes) + [
+        f"from cnnsim import {', '.join(sorted(names))}",
+        "",
+    ]
+    lines = [
+        *head,
+        'picture = read_picture("picture.png")',
+        *lines,
+        f"result = run({', '.join(words)})",
+        "print(result)",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+_CLASSES = ("LayeredTemplate", "Table", "Template", "Term")
+
+
+def _network_code(network: Template | LayeredTemplate) -> str:
+    if isinstance(network, LayeredTemplate):
+        layers = ", ".join(map(_network_code, network.layers))
+        return f"LayeredTemplate([{layers}], {list(network.time_constants)!r}, {network.name!r})"
+    terms = []
+    for term in network.terms:
+        parts = [repr(term.weights.tolist()), repr(str(term.of))]
+        if term.table is not None:
+            parts.append(f"table={term.table!r}")
+        if term.times is not None:
+            parts.append(f"times={str(term.times)!r}")
+        parts += [f"delay={term.delay!r}"] if term.delay else []
+        parts += [f"layer={term.layer!r}"] if term.layer is not None else []
+        terms.append(f"Term({', '.join(parts)})")
+    numbers = f"{network.A.tolist()!r}, {network.B.tolist()!r}, {network.z!r}, {network.name!r}"
+    return f"Template({numbers}, [{', '.join(terms)}])"
+
+
+def _save(session: "Session", message: Message) -> Message:
+    """Reply with a file: toml, tem, png, gif, mp4, picture or start."""
+    what, setup, run = message.text("what"), session.setup, session.run
+    name = message.text("name", setup.entry.name) or setup.entry.name
+    check_name(name, "template")
+    match what:
+        case "toml" | "tem":
+            entry = replace(setup.entry, name=name, network=_named(setup.entry.network, name))
+            if setup.changed:
+                entry = replace(entry, examples=(), margin=None, reference=f"changed from {setup.own.name}")
+            text = template_text(entry) if what == "toml" else WRITERS["tem"](entry)
+            return _file(f"{name}.{what}", text.encode())
+        case "png":
+            return _file(f"{name}.png", _png(session.layer(run.y, message)))
+        case "picture" | "start":
+            plane = setup.picture if what == "picture" else np.asarray(run.task.state)
+            return _file(f"{what}.png", _png(plane[0] if plane.ndim == 3 else plane))
+        case "gif" | "mp4":
+            count = min(FILM_FRAMES, run.index - run.first + 1)
+            steps = [int(i) for i in np.unique(np.linspace(run.first, run.index, count).round())]
+            frames = [run.task.plan.output(x) for x in run.states(steps)]
+            with TemporaryDirectory() as folder:
+                path = Path(folder) / f"{name}.{what}"
+                write_film(frames, path, times=[step * run.step for step in steps])
+                return _file(path.name, path.read_bytes())
+    raise InputError(f"what = {what!r}; toml, tem, png, gif, mp4, picture or start wanted")
+
+
+def _named(network: Template | LayeredTemplate, name: str) -> Template | LayeredTemplate:
+    if isinstance(network, LayeredTemplate):
+        return LayeredTemplate(network.layers, network.time_constants, name)
+    return Template(network.A, network.B, network.z, name, network.terms)
+
+
+def _file(name: str, data: bytes) -> Message:
+    return Message({"is": "file", "name": name, "bytes": len(data)}, [data])
+
+
+def _png(plane: np.ndarray) -> bytes:
+    file = BytesIO()
+    to_image(plane).save(file, format="PNG")
+    return file.getvalue()
+
+
+def _code(session: "Session", _message: Message) -> Message:
+    setup = session.setup
+    return Message({"is": "code", "python": python_text(setup), "command": command_line(setup), "link": link_of(setup)})
+
+
+HANDLERS = {"save": _save, "code": _code}
