@@ -22,7 +22,7 @@ cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 from cnnsim.backends.opencl import backend as opencl  # noqa: E402 - only where pyopencl is there
 from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402
 from cnnsim.backends.opencl.device import devices as opencl_devices  # noqa: E402
-from cnnsim.backends.opencl.device import pocl  # noqa: E402
+from cnnsim.backends.opencl.device import kernel_cache, pocl  # noqa: E402
 from cnnsim.backends.opencl.planes import DevicePlane  # noqa: E402
 from cnnsim.support.extras import install_line  # noqa: E402
 
@@ -106,12 +106,32 @@ def test_the_processor_name_is_replaced_only_on_request(monkeypatch: pytest.Monk
 
 def test_pocl_keeps_its_kernels_where_only_this_user_writes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setenv(opencl_devices.POCL_CACHE, "mine")
-    opencl_devices.all_devices()
-    assert os.environ[opencl_devices.POCL_CACHE] == "mine"
-    monkeypatch.delenv(opencl_devices.POCL_CACHE)
-    opencl_devices.all_devices()
-    assert Path(os.environ[opencl_devices.POCL_CACHE]).is_relative_to(tmp_path)
+    monkeypatch.setenv(kernel_cache.VARIABLE, "mine")
+    kernel_cache.prepare_cache.__wrapped__()
+    assert os.environ[kernel_cache.VARIABLE] == "mine"
+    monkeypatch.delenv(kernel_cache.VARIABLE)
+    kernel_cache.prepare_cache.__wrapped__()
+    assert Path(os.environ[kernel_cache.VARIABLE]).is_relative_to(tmp_path)
+
+
+def test_the_cache_is_emptied_after_a_process_that_ended_at_a_first_use(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv(kernel_cache.VARIABLE, str(tmp_path))
+    entry = tmp_path / "KA" / "program.bc"
+    entry.parent.mkdir()
+    entry.write_bytes(b"damaged")
+    (tmp_path / "other.txt").touch()
+    device = opencl_devices.choose_device()
+    with kernel_cache.first_use(device):  # a process that still runs
+        kernel_cache.prepare_cache.__wrapped__()
+    kernel_cache.prepare_cache.__wrapped__()
+    assert entry.exists()
+    built = cl.Program(cl.Context([device]), "kernel void one() {}").build()
+    with pytest.raises(InputError, match="is damaged"), kernel_cache.first_use(device):
+        cl.Kernel(built, "two")
+    kernel_cache.prepare_cache.__wrapped__()
+    assert [path.name for path in tmp_path.iterdir()] == ["other.txt"]
 
 
 def test_what_pocl_needs_is_said_where_nothing_builds(monkeypatch: pytest.MonkeyPatch) -> None:

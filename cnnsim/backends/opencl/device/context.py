@@ -3,6 +3,7 @@
 import ctypes
 import os
 from collections.abc import Iterator
+from contextlib import nullcontext
 from functools import cache
 from threading import RLock
 from time import sleep
@@ -14,6 +15,7 @@ from pyopencl.tools import ImmediateAllocator, MemoryPool
 
 from cnnsim.backends.opencl.device.build import Defines, build, code_defines, define_lines, source
 from cnnsim.backends.opencl.device.devices import Family, check_not_forked
+from cnnsim.backends.opencl.device.kernel_cache import first_use
 from cnnsim.backends.opencl.device.pocl import has_wide_vectors, name_processor
 from cnnsim.backends.slices import pieces
 
@@ -115,10 +117,11 @@ class DeviceContext:
         lines = self._basics + define_lines(defines)
         key = (stems, lines, extra, name)
         if key not in self._kernels:
-            if key[:-1] not in self._programs:
-                text = lines + "".join(map(source, ["common", *stems.split()])) + extra
-                self._programs[key[:-1]] = build(self.context, self.device, text, stems or name)
-            self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
+            with first_use(self.device):
+                if key[:-1] not in self._programs:
+                    text = lines + "".join(map(source, ["common", *stems.split()])) + extra
+                    self._programs[key[:-1]] = build(self.context, self.device, text, stems or name)
+                self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
         return self._kernels[key]
 
     def launch(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
@@ -138,12 +141,13 @@ class DeviceContext:
         if first:  # with known types all arguments are set in a microsecond, else in a hundred
             kernel.set_scalar_arg_dtypes([a.dtype if isinstance(a, np.generic) else None for a in arguments])
         kernel.set_args(*arguments)
-        event = cl.enqueue_nd_range_kernel(self.queue, kernel, global_size, local_size)
-        if first:
-            self.queue.flush()
-            while event.command_execution_status > cl.command_execution_status.COMPLETE:
-                sleep(POLL)
-            self._launched.add(kernel)
+        with first_use(self.device) if first else nullcontext():
+            event = cl.enqueue_nd_range_kernel(self.queue, kernel, global_size, local_size)
+            if first:
+                self.queue.flush()
+                while event.command_execution_status > cl.command_execution_status.COMPLETE:
+                    sleep(POLL)
+                self._launched.add(kernel)
 
     def pieces(self, count: int, work: float) -> Iterator[tuple[int, int]]:
         """Yield (first, count) of the pieces of ``count`` rows or tiles with ``work`` sums in each; wait in between.

@@ -20,7 +20,6 @@ Family = Literal["cpu", "gpu"]
 """Two families of kernels: one work-item a core with long vectors, or many work-items that share local memory."""
 
 VARIABLE = "CNNSIM_DEVICE"
-POCL_CACHE = "POCL_CACHE_DIR"
 CURE = 'pip install "pyopencl[pocl]" brings one that computes on the processor'
 
 
@@ -79,16 +78,15 @@ def devices() -> list[OpenCLDevice]:
 def all_devices() -> list["cl.Device"]:
     """Return pyopencl's devices, platform by platform; the index in this list is a device's number.
 
-    PoCL keeps its compiled kernels in a folder that only this user can write, unless POCL_CACHE_DIR names another.
-
     Raises:
         InputError: this process was forked from one that had asked before.
     """
     import pyopencl as cl
 
+    from cnnsim.backends.opencl.device.kernel_cache import prepare_cache  # imports pyopencl
+
     check_not_forked(_first_asked_by())
-    if POCL_CACHE not in os.environ:
-        os.environ[POCL_CACHE] = str(first_usable([user_cache() / "cellular-wave-touch" / "pocl"], "OpenCL kernels"))
+    prepare_cache()
     try:
         platforms = cl.get_platforms()
     except cl.Error:  # the loader's way to say that there are none
