@@ -1,4 +1,4 @@
-"""Start of a command line: Ctrl-C ends it with one line, also while libraries are imported.
+"""Start of a command line: Ctrl-C ends it with one line, also while libraries are imported; the environment is checked.
 
 An exception within an import would end in a traceback, or be lost where a library catches it. This module imports few
 modules, because until it has run, the interpreter handles Ctrl-C.
@@ -11,12 +11,40 @@ from importlib import import_module
 
 STOPPED = 130
 """The exit code after Ctrl-C: 128 and the number of SIGINT, as shells have it."""
+ADDRESS_SPACE = 1_000_000_000
+"""Bytes of address space (``ulimit -v``) that a command needs: libraries that lack it abort or spin."""
+LAYERS = "default", "safe", "threadsafe", "forksafe", "tbb", "omp", "workqueue"
+"""Threading layers of numba."""
 
 
 def start(group: str, prog_name: str | None = None) -> None:
     """Import the module of a group of commands, and run its ``main``."""
     end_at_once()
+    if fault := environment_fault():
+        os.write(2, f"Error: {fault}\n".encode())
+        sys.exit(2)
+    os.environ["MPLBACKEND"] = "agg"  # commands draw into files; a backend inherited from a notebook may be missing
     import_module(group).main(prog_name=prog_name)
+
+
+def environment_fault() -> str | None:
+    """Return what is wrong with the environment of the process, in one line; None if libraries can use it."""
+    threads = os.environ.get("NUMBA_NUM_THREADS", "1")
+    if not (threads.isascii() and threads.isdecimal() and int(threads) > 0):
+        return f"NUMBA_NUM_THREADS={threads!a}; a whole number above 0 wanted"
+    layer = os.environ.get("NUMBA_THREADING_LAYER", "default")
+    if layer not in LAYERS:
+        return f"NUMBA_THREADING_LAYER={layer!a}; one of {', '.join(LAYERS)} wanted"
+    if (switch := os.environ.get("NUMBA_DISABLE_JIT", "0")) != "0":
+        return f"NUMBA_DISABLE_JIT={switch!a}; 0 wanted, as the loops run compiled only"
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if most != resource.RLIM_INFINITY and most < ADDRESS_SPACE:
+        return f"{most / 1e6:.0f} MB of address space (ulimit -v); {ADDRESS_SPACE / 1e6:.0f} MB at least wanted"
+    return None
 
 
 def end_at_once() -> None:

@@ -74,7 +74,7 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
             temporary.replace(place)
     except InputError:
         raise
-    except (OSError, ValueError) as error:  # a ValueError: an ending that the writer does not know
+    except (OSError, ValueError, RuntimeError) as error:  # an ending that the writer does not know; a looping link
         raise InputError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
     if there and Replaced.tell is not None:
         Replaced.tell(target)

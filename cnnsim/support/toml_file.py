@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from cnnsim.support.errors import InputError, MissingKeyError, nearest, reworded, shown
 from cnnsim.support.limits import TEXT, check_file, check_most, reason
-from cnnsim.support.toml_lines import LinedTable, with_lines
+from cnnsim.support.toml_lines import DEPTH, LinedTable, is_too_deep, with_lines
 
 ValueType = TypeVar("ValueType")
 _WITH_LINE = re.compile(r"\(lines? \d+|, line \d+")
@@ -41,10 +41,12 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
 
 def parse_toml(text: str, where: str) -> dict[str, Any]:
     """Return the table of a text, or raise an InputError that it is no TOML."""
+    if is_too_deep(text):
+        raise InputError(f"{where}: keys or brackets nested deeper than {DEPTH}; {DEPTH} at most wanted")
     try:
         check_most(len(text), TEXT, "characters")
         return with_lines(tomllib.loads(text), text)
-    except (ValueError, RecursionError, MemoryError) as error:  # numbers of 4300 digits; brackets nested 1000 deep
+    except (ValueError, RecursionError, MemoryError) as error:  # numbers of 4300 digits
         raise InputError(f"{where}: not TOML: {error}") from error
 
 

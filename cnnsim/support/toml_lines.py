@@ -10,6 +10,15 @@ Path = tuple[str | int, ...]
 _SPACE = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _STRING = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'', re.DOTALL)
 _BARE, _SCALAR = re.compile(r"[A-Za-z0-9_-]+"), re.compile(r"[^,\]}#\n]+")
+DEPTH = 32
+"""Parts of a dotted key, and brackets within each other, at most: `tomllib` takes the square of them in memory."""
+_TEXTS = re.compile(
+    r'''#[^\n]*|"""(?:\\.|[^\\])*?(?:"{3,5}|\Z)|\'{3}.*?(?:\'{3,5}|\Z)'''
+    r"""|"(?:\\.|[^"\\\n])*+(?:"|.*)|'[^'\n]*+(?:'|.*)""",
+    re.DOTALL,
+)
+"""Comments and strings; one without an end takes the rest of the text, which is no TOML."""
+_LONG_KEY = re.compile(rf"(?<![\w-])(?:(?:[\w-]++|'')[ \t]*+\.[ \t]*+){{{DEPTH}}}")
 
 
 class LinedTable(dict[str, Any]):
@@ -28,6 +37,16 @@ def without(table: dict[str, Any], key: str) -> dict[str, Any]:
     rest = LinedTable({name: value for name, value in table.items() if name != key}, getattr(table, "lines", {}))
     rest.line, rest.first_table = getattr(table, "line", None), getattr(table, "first_table", None)
     return rest
+
+
+def is_too_deep(text: str) -> bool:
+    """Return whether a dotted key has more than `DEPTH` parts, or brackets are nested deeper."""
+    bare = _TEXTS.sub("''", text)
+    deepest = depth = 0
+    for bracket in re.sub(r"[^][{}]+", "", bare):
+        depth = max(0, depth + (1 if bracket in "[{" else -1))
+        deepest = max(deepest, depth)
+    return deepest > DEPTH or _LONG_KEY.search(bare) is not None
 
 
 def with_lines(data: dict[str, Any], text: str) -> LinedTable:

@@ -127,7 +127,7 @@ def test_the_cache_is_emptied_after_a_process_that_ended_at_a_first_use(
         kernel_cache.prepare_cache.__wrapped__()
     kernel_cache.prepare_cache.__wrapped__()
     assert entry.exists()
-    built = cl.Program(cl.Context([device]), "kernel void one() {}").build()
+    built = cl.Program(cl.Context([device]), "kernel void one() {}").build(options=["-w"])
     with pytest.raises(InputError, match="is damaged"), kernel_cache.first_use(device):
         cl.Kernel(built, "two")
     kernel_cache.prepare_cache.__wrapped__()
