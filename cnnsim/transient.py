@@ -44,7 +44,7 @@ def run_transient(
     ``threads`` of the cpu backend, None for as many as pay; ``record`` times [time constants], or cells (row, column)
     to record at every step: the result then has a ``trajectory``, from the steps of the run, or with an accuracy
     (times only) from a solution for each time;
-    ``engine`` for grids that are larger than the memory, or for other machines: "processes", "dask", "dask=ADDRESS" or
+    ``engine`` for grids that are larger than the memory, or for other machines: "processes", "dask=ADDRESS" or
     an `Engine`, with the folder of its ``store``. Planes may be Zarr arrays then, and so is the result of such a state.
 
     Raises:

@@ -15,7 +15,8 @@ from cnnsim.support import Array, InputError
 from cnnsim.support.files import check_folder, check_place, make_folder
 from cnnsim.support.pictures.film import FILM_ENDINGS, filming, is_film, video_library
 from cnnsim.support.pictures.picture import write_picture
-from cnnsim.support.pictures.read import read_pictures
+from cnnsim.support.pictures.pixels import check_reading
+from cnnsim.support.pictures.read import planes_of, read_pictures, sequence_of
 from cnnsim.support.pictures.sequence import PictureOptions
 
 FRAME_RATE = 10.0
@@ -54,12 +55,13 @@ def read_for(entry: LibraryEntry, paths: Sequence[Path], reading: PictureOptions
     Raises:
         InputError: several pictures for a template that takes one; pictures of different sizes.
     """
-    planes = read_pictures(*paths, binary=reading.binary, levels=reading.levels, dtype=reading.dtype)
-    if entry.frame_time is not None:
-        return planes
-    if len(planes) > 1 and (not batch or isinstance(entry.network, LayeredTemplate)):
-        raise InputError(f"template {entry.name!r} takes one picture, {len(planes)} were given")
-    return planes if len(planes) > 1 else planes[0]
+    check_reading(reading.levels, reading.dtype)
+    whole = sequence_of(paths, reading)
+    one = entry.frame_time is None and (not batch or isinstance(entry.network, LayeredTemplate))
+    if one and (count := whole.count()) > 1:
+        raise InputError(f"template {entry.name!r} takes one picture, {count} were given")
+    planes = planes_of(whole, reading.dtype)
+    return planes if entry.frame_time is not None or len(planes) > 1 else planes[0]
 
 
 def read_beside(path: Path | None, what: str, pictures: Array, reading: PictureOptions) -> Array | None:

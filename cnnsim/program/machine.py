@@ -145,7 +145,7 @@ def run_program(
     Arguments: ``program`` a name of the library, a file or a loaded `Program`; ``planes`` its inputs (rows, cols) by
     name; ``backend`` a name or a backend; ``dtype`` the numbers it computes with, None for its own;
     ``threads`` of the cpu backend, None for as many as pay; ``engine`` for grids that are larger than the memory, or
-    for other machines: "processes", "dask", "dask=ADDRESS" or an `Engine`, with the folder of its ``store``, from which
+    for other machines: "processes", "dask=ADDRESS" or an `Engine`, with the folder of its ``store``, from which
     a stopped run resumes. Planes may be Zarr arrays then; with a store the results are Zarr arrays too.
     Planes under ``keep`` have their initial value in each call; a `UniversalMachine` keeps them between runs.
 

@@ -14,6 +14,10 @@ TABLE = 2**31
 """Bytes of a text recording, which is read as a whole."""
 UNPACKED, PACKING = 64 * 2**20, 200
 """Bytes that any packed file may unpack to, and the ratio that a larger one may have; recordings have about 10."""
+PAGES = 2**28
+"""Pixels of all pictures of a file together that any file may hold; a larger one as many as `PACKING` allows."""
+LABELS = 2**26
+"""Bytes of a table of labels or weights, and of a line of a text recording."""
 CHUNK, RECORD = 2**26, 2**28
 """Bytes of the largest chunk of an MCAP recording that is unpacked, and of its longest record."""
 TAXELS = 1 << 20
@@ -60,10 +64,10 @@ def check_file(path: Path, what: str, most: int) -> None:
         raise InputError(f"{path}: {size} bytes; {most} at most wanted for a {what}")
 
 
-def check_unpacked(path: Path, unpacked: int) -> None:
-    """Raise an InputError for a packed file that would unpack to more than `UNPACKED` or `PACKING` allow."""
+def check_unpacked(path: Path, unpacked: int, least: int = UNPACKED) -> None:
+    """Raise an InputError for a packed file that would unpack to more than ``least`` and than `PACKING` allow."""
     packed = path.stat().st_size
-    if unpacked > max(UNPACKED, PACKING * packed):
+    if unpacked > max(least, PACKING * packed):
         raise InputError(f"{path}: {packed} bytes that unpack to {unpacked}; {PACKING} times as many at most wanted")
 
 

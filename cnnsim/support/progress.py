@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import RLock, Timer
 from time import monotonic
 from typing import Any, Protocol
 
@@ -47,11 +48,30 @@ class TerminalBar:
     def __init__(self, patience: float = PATIENCE) -> None:
         self._bar: Any = None
         self._from, self._task, self._share = monotonic() + patience, 0, 0.0
+        self._lock = RLock()
+        self._timer: Timer | None = None
+        self._last: tuple[float | None, str] = None, ""
 
     def __call__(self, share: float | None, text: str) -> None:
         """See `Watcher`."""
+        with self._lock:
+            self._show(share, text)
+
+    def _late(self) -> None:
+        """Show the last report once the patience is over, in a thread: the next report may come much later."""
+        with self._lock:
+            if self._timer is not None and self._bar is None:
+                self._from = 0.0
+                self._show(*self._last)
+
+    def _show(self, share: float | None, text: str) -> None:
         if self._bar is None:
-            if monotonic() < self._from:
+            if (early := self._from - monotonic()) > 0:
+                self._last = share, text
+                if self._timer is None:
+                    self._timer = Timer(early, self._late)
+                    self._timer.daemon = True
+                    self._timer.start()
                 return
             self._bar, self._task = _bar(), 0
             self._bar.start()
@@ -64,9 +84,12 @@ class TerminalBar:
 
     def over(self) -> None:
         """See `Watcher`."""
-        if self._bar is not None:
-            self._bar.stop()
-        self._bar, self._share = None, 0.0
+        with self._lock:
+            if self._timer is not None:
+                self._timer.cancel()
+            if self._bar is not None:
+                self._bar.stop()
+            self._bar, self._timer, self._share = None, None, 0.0
 
 
 def _bar() -> Any:

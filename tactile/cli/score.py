@@ -31,7 +31,7 @@ FEW = 0.5
     "--grasps", type=click.IntRange(0, 1_000_000), default=0, help="Number of simulated grasps with known onsets."
 )
 @click.option("--from-seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the first grasp.")
-@click.option("--idle-minutes", type=Finite(0), default=0.0, help="Minutes of noise without any contact.")
+@click.option("--idle-minutes", type=Finite(0, 10_000), default=0.0, help="Minutes of noise without any contact.")
 @click.option("--half", type=click.Choice(HALVES), default="all", help="Every other recording and grasp.")
 @click.option(
     "--window-ms",

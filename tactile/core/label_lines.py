@@ -6,7 +6,7 @@ from io import StringIO
 from pathlib import Path
 
 from cnnsim.support import InputError
-from cnnsim.support.limits import reason
+from cnnsim.support.limits import LABELS, check_file, reason
 
 
 def read_lines(path: Path, content: str = "labels") -> tuple[list[dict[str, str]], Sequence[str]]:
@@ -16,6 +16,7 @@ def read_lines(path: Path, content: str = "labels") -> tuple[list[dict[str, str]
         InputError: a missing file, or one that is not a text table.
     """
     try:
+        check_file(path, f"table of {content}", LABELS)
         lines = StringIO(path.read_text(encoding="utf-8-sig"))
         reader = csv.DictReader(line for line in lines if not line.startswith("#"))
         return list(reader), reader.fieldnames or ()

@@ -18,13 +18,16 @@ the taxel invalid; ``t_device_s`` is empty where the device has no clock.
 """
 
 import csv
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from cnnsim.support import InputError
 from cnnsim.support.errors import SHOWN, cut
-from cnnsim.support.limits import TABLE, check_file, one_line
+from cnnsim.support.limits import LABELS, TABLE, check_file, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
 from tactile.core.source import ForeignFileError, FrameStream, Source
@@ -41,24 +44,40 @@ def read_csv(path: Path) -> FrameStream:
     """
     with one_line(path, "a CSV recording"):
         check_file(path, "recording", TABLE)
-        lines = path.read_text(encoding="utf-8-sig").rstrip("\n").split("\n")
-        return _read(path, lines)
+        with path.open(encoding="utf-8-sig") as file:
+            return _read(path, _lines(file))
 
 
-def _read(path: Path, lines: list[str]) -> FrameStream:
-    start = next((n for n, line in enumerate(lines) if not line.startswith("#")), len(lines))
-    text = "\n".join(line[1:].lstrip() for line in lines[:start])
-    if not any(line.startswith("# tactile_recording") for line in lines[:start]):
+def _lines(file: TextIO) -> Iterator[str]:
+    """Yield the lines of a file without the empty ones at its end."""
+    empty = 0
+    while line := file.readline(LABELS):
+        if len(line) == LABELS:
+            raise InputError(f"{file.name}: a line of more than {LABELS} characters")
+        if line == "\n":
+            empty += 1
+            continue
+        yield from ("\n",) * empty
+        empty = 0
+        yield line
+
+
+def _read(path: Path, lines: Iterator[str]) -> FrameStream:
+    comments, line = [], next(lines, "")
+    while line.startswith("#"):
+        comments.append(line[1:].lstrip())
+        line = next(lines, "")
+    if not any(comment.startswith("tactile_recording") for comment in comments):
         raise ForeignFileError(f"{path}: no header of a recording")
-    head = read_header(text, str(path), "the comment lines at the top")
-    arrays = head.arrays
-    rows = csv.reader(lines[start:])
+    head = read_header("".join(comments), str(path), "the comment lines at the top")
+    arrays, start = head.arrays, len(comments)
+    rows = csv.reader(chain([line] if line else [], lines))
     names = next(rows, None)
     fixed = FIXED_COLUMNS if names is None or "flags" in names else FIXED_COLUMNS[:-1]
     most = max(array.rows * array.cols for array in arrays)
     count = len(fixed) + 3 * most
     if names is None or len(names) != count or names != _columns(most, fixed):
-        got = cut(lines[start]) if start < len(lines) else "the end of the file"
+        got = cut(line.rstrip("\n")) if line else "the end of the file"
         wanted = cut(",".join(_columns(min(most, SHOWN), fixed)))
         many = "" if names is None or len(names) == count else f": {count}, not {len(names)}"
         raise InputError(f"{path}, line {start + 1}: {got!r}, the column names {wanted!r} wanted{many}")

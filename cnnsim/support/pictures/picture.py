@@ -13,13 +13,19 @@ from cnnsim.support.errors import InputError, shown
 from cnnsim.support.files import named_file, writing
 from cnnsim.support.keywords import spelled
 from cnnsim.support.limits import check_plain, reason
-from cnnsim.support.memory import check_memory
+from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.pictures.pixels import Levels, check_labels, check_reading, pixel_bytes, values_of
 from cnnsim.support.pictures.upright import read_through, upright_size
+from cnnsim.support.progress import watcher
 from cnnsim.support.values import Array, Floats, as_numbers, is_whole, largest
 
 _RAMP = ".:-=+*%#"
 """Characters from white to black."""
+FORMATS = (
+    "PNG", "JPEG", "GIF", "BMP", "DIB", "PPM", "TIFF", "WEBP", "JPEG2000", "TGA", "PCX", "SGI", "ICO", "PSD", "QOI",
+    "DDS", "FITS", "FLI", "IM", "MSP", "SUN", "XBM", "XPM", "AVIF",
+)  # fmt: skip
+"""Formats of pictures that are opened: those that Pillow decodes itself. EPS would start Ghostscript."""
 _MORE_THAN_PICTURES = {"MPO", "PSD"}
 """Formats whose further frames are no sequence: previews of a camera, layers of a drawing."""
 _LINE, _LINE_COLOUR = 3, (230, 120, 40)
@@ -31,7 +37,7 @@ _TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more mem
 def read_picture(
     path: str | Path, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
 ) -> Array:
-    """Read any picture Pillow knows as CNN values (rows, cols); colours become grey, transparency white.
+    """Read a picture of one of `FORMATS` as CNN values (rows, cols); colours become grey, transparency white.
 
     Arguments: ``binary`` makes everything darker than mid-grey +1 and the rest -1; ``levels`` (black, white) are the
     numbers that stand for them in a grey picture whose file does not say it; ``dtype`` of the array.
@@ -59,7 +65,7 @@ def opened(path: str | Path) -> Iterator[Image.Image]:
     named = named_file(path)
     try:
         check_plain(named, "picture")
-        with _any_size(), Image.open(path) as image:
+        with _any_size(), Image.open(path, formats=FORMATS) as image:
             read_through(image)
             yield image
     except InputError:
@@ -144,6 +150,8 @@ def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bo
         raise InputError(f"{path}: a picture of shape {values.shape}; (rows, cols) wanted")
     if not np.isfinite(largest(values)):
         raise InputError(f"{path}: a picture that holds {values[~np.isfinite(values)][0]}; finite numbers wanted")
+    if values.size >= LARGE and (report := watcher()) is not None:
+        report(None, f"writing {path}")
     with writing(path, follow=follow) as temporary:
         to_image(values, scale).save(temporary)
 

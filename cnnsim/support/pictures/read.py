@@ -11,11 +11,13 @@ from PIL import Image
 from cnnsim.support.errors import InputError
 from cnnsim.support.files import named_file
 from cnnsim.support.keywords import spelled
-from cnnsim.support.memory import check_memory
+from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.pictures.arrays import of_array
 from cnnsim.support.pictures.film import VIDEO_ENDINGS
+from cnnsim.support.pictures.picture import FORMATS
 from cnnsim.support.pictures.pixels import Levels, check_reading
 from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence, of_file, of_video, size_text
+from cnnsim.support.progress import watcher
 from cnnsim.support.values import Array
 
 
@@ -33,13 +35,24 @@ def read_pictures(
         InputError: as `read_picture`; pictures of different sizes, none, or more than the memory holds.
     """
     check_reading(levels, dtype)
-    whole = sequence_of(list(paths), PictureOptions(binary, levels, dtype))
+    return planes_of(sequence_of(list(paths), PictureOptions(binary, levels, dtype)), dtype)
+
+
+def planes_of(whole: PictureSequence, dtype: Any) -> Array:
+    """Return all pictures of a sequence (n, rows, cols).
+
+    Raises:
+        InputError: as `read_pictures`.
+    """
     count, (rows, cols) = whole.count(), whole.shape
     size = count * rows * cols * np.dtype(dtype).itemsize
     check_memory(f"{whole.name}: reading {count} pictures of {rows} x {cols}", size, "give fewer or smaller ones")
     found = np.empty((count, rows, cols), dtype)
-    for plane, values in zip(found, whole.pictures(), strict=True):
-        plane[:] = values
+    reading, report = whole.pictures(), watcher() if found.size >= LARGE else None
+    for number in range(count):
+        if report is not None:
+            report(number / count if count > 1 else None, f"reading {whole.name}")
+        found[number] = next(reading)
     return found
 
 
@@ -70,7 +83,7 @@ def sequence_of(paths: Sequence[str | Path], reading: PictureOptions, key: str =
 
 def _part(path: Path, reading: PictureOptions, key: str) -> PictureSequence:
     if path.is_dir():
-        known = Image.registered_extensions()
+        known = {ending for ending, form in Image.registered_extensions().items() if form in (*FORMATS, "MPO")}
         files = [file for file in path.iterdir() if file.suffix.lower() in known and not file.name.startswith(".")]
         if not files:
             raise InputError(f"the folder {path} holds no picture; files such as 1.png, 2.png, ... wanted")

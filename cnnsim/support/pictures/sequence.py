@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from cnnsim.support.errors import InputError
-from cnnsim.support.limits import check_plain, one_line
+from cnnsim.support.limits import PAGES, check_plain, check_unpacked, one_line
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.film import video_library
 from cnnsim.support.pictures.picture import check_size, opened, pictures_in
@@ -55,6 +55,8 @@ def of_file(path: Path, reading: PictureOptions) -> PictureSequence:
     with opened(path) as image:
         check_size(image, str(path), np.dtype(reading.dtype).itemsize)
         count, (rows, cols) = pictures_in(image), upright_size(image)
+        if count > 1:
+            check_unpacked(path, count * rows * cols, PAGES)
         for number in range(1, count):
             image.seek(number)
             if (other := upright_size(image)) != (rows, cols):

@@ -4,6 +4,7 @@ import pytest
 
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import numbers, parse_toml, take
+from cnnsim.support.toml_lines import is_too_deep
 
 LONG = 10**400
 """TOML's whole numbers have no end; a float has."""
@@ -22,7 +23,28 @@ def test_whole_numbers_stand_for_floats() -> None:
     assert numbers([1, 2.5], 2, "here") == [1.0, 2.5]
 
 
-@pytest.mark.parametrize("text", ["a = " + "[" * 5000, "a = " + "9" * 5000], ids=["brackets", "digits"])
-def test_files_that_the_reader_cannot_hold_are_no_toml(text: str) -> None:
+def test_a_number_that_the_reader_cannot_hold_is_no_toml() -> None:
     with pytest.raises(InputError, match="here: not TOML"):
+        parse_toml("a = " + "9" * 5000, "here")
+
+
+@pytest.mark.parametrize("text", [
+    "[" + "a." * 10**5 + "a]", "a." * 32 + "a = 1", "'a' . " * 32 + "a = 1", "a = " + "[" * 33 + "]" * 33,
+    "a = " + "{a=" * 33 + "1" + "}" * 33, "a = '''['''\nb = " + "[" * 33, "a = " + "[" * 10**5,
+])  # fmt: skip
+def test_keys_and_brackets_nested_deeper_than_32_are_refused_before_they_are_read(text: str) -> None:
+    with pytest.raises(InputError, match=r"^here: keys or brackets nested deeper than 32"):
         parse_toml(text, "here")
+
+
+@pytest.mark.parametrize("text", [
+    "a." * 31 + "a = 1", "a = " + "[" * 32 + "]" * 32, "a = '" + "a." * 40 + "'", "# " + "[" * 40,
+    'a = """' + "a." * 40 + '\n["' + "[" * 40 + '"""', "a = '''" + "{" * 40 + "'''",
+])  # fmt: skip
+def test_what_only_looks_deep_is_read(text: str) -> None:
+    parse_toml(text, "here")
+
+
+@pytest.mark.parametrize("unit", ['"', "'", '"\\', '"""', "'''\\", "a.a ", "[]", "a"])
+def test_the_depth_of_a_text_is_found_in_linear_time(unit: str) -> None:
+    assert not is_too_deep(unit * 20_000)
