@@ -1,6 +1,7 @@
 """Commands that write files: convert, new."""
 
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,8 @@ from cnnsim.support.files import check_free, check_name, write_text
 from cnnsim.support.terminal import echo
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 from tactile.cli.options import FILE, LAYOUT
-from tactile.sources import is_folder_of_recordings, open_source
+from tactile.core.source import provenance
+from tactile.sources import open_source
 
 if TYPE_CHECKING:
     from tactile.core.frame import Frame
@@ -92,7 +94,9 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
         "tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap",
         "tactile convert examples/scenes/grip.toml grip.npz", "tactile convert glove.csv g.mcap --layout glove.toml",
         "tactile convert examples/grasp.npz tared.csv --tared",
-        "tactile convert examples/grasp.npz --lerobot grasps --fps 30",
+        "tactile convert examples/grasp.npz drawn.mcap --drawable",
+        "tactile convert examples/grasp.npz --ros2 grasp-bag",
+        "tactile convert examples/grasp.npz --lerobot learning-set --fps 30",
     )
 )  # fmt: skip
 @click.argument("source", type=FILE)
@@ -100,12 +104,14 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
 @LAYOUT
 @click.option("--replace", is_flag=True, help="Overwrite an existing TARGET.")
 @click.option("--tared", is_flag=True, help="Write the frames after tare and gains, as the pipeline takes them.")
-@click.option("--lerobot", type=FILE, help="Folder for a LeRobotDataset v3.0, in place of TARGET; always tared.")
+@click.option("--drawable", is_flag=True, help="Add messages that Foxglove, Lichtblick and RViz draw (.mcap).")
+@click.option("--ros2", type=FILE, help="Folder for a ROS 2 bag of standard messages, in place of TARGET; tared.")
+@click.option("--lerobot", type=FILE, help="Folder for a LeRobotDataset v3.0, in place of TARGET; tared.")
 @click.option("--fps", type=click.IntRange(1, 10_000), help="Frames per second of a learning set [30].")
 @click.option("--task", help="Text of the task of a learning set [the title of the recording].")
 def convert(
-    source: Path, target: Path | None, replace: bool, tared: bool, lerobot: Path | None, fps: int | None,
-    task: str | None, layout: Path | None,
+    source: Path, target: Path | None, replace: bool, tared: bool, drawable: bool, ros2: Path | None,
+    lerobot: Path | None, fps: int | None, task: str | None, layout: Path | None,
 ) -> None:  # fmt: skip
     """Convert recordings and scenes to another file format.
 
@@ -115,33 +121,48 @@ def convert(
     a table of another program with its --layout, or a scene (.toml). What TARGET cannot hold is said on stderr. With
     --lerobot each recording of a folder is an episode.
     """
-    if (target is None) == (lerobot is None):
-        raise click.UsageError("one TARGET wanted: a file, or --lerobot FOLDER")
+    if sum(one is not None for one in (target, ros2, lerobot)) != 1:
+        raise click.UsageError("one target wanted: a file, --ros2 FOLDER or --lerobot FOLDER")
     if lerobot is None and (fps, task) != (None, None):
         raise click.UsageError("--fps and --task belong to --lerobot FOLDER")
+    if tared and drawable:
+        raise click.UsageError("--drawable messages are tared, and frames beside them are not; leave out --tared")
 
     def watch(frames: "Iterable[Frame]", total: int | None) -> "Iterable[Frame]":
         return watched(frames, "frames", total)
 
-    if target is None:
-        _learning_set(source, lerobot or Path(), fps or FPS, task, watch)
+    if lerobot is not None:
+        _learning_set(source, lerobot, fps or FPS, task, watch, layout)
         return
-    from tactile.sources.convert import convert as write  # imported when used
+    from tactile.export.tared import drawn, open_for_export  # imported when used
+    from tactile.export.tared import tared as after_tare  # the same
+
+    if ros2 is not None:
+        writer, exported = need("tactile.export.ros2", "a ROS 2 bag"), open_for_export(source, layout)
+        frames, start = watch(exported.source, exported.source.frames), provenance(exported.source).start_ns or 0
+        count = writer.write_ros2(ros2, drawn(exported, frames, start, ros=True))
+        echo(f"wrote {count} messages to {ros2}; to play them: ros2 bag play {ros2}")
+        return
+    assert target is not None
+    from tactile.sources.convert import convert as write  # the same
 
     opened = None if layout is None else open_source(source, layout)
     if tared:
-        from tactile.export.tared import tared as after_tare  # the same
-
         opened = after_tare(source, layout)
+    others = None
+    if drawable:
+        need("tactile.export.drawable", "messages for viewers")
+        others = partial(drawn, open_for_export(source, layout))
     there = target.exists()
-    done = write(source, target, replace, watch, opened)
+    done = write(source, target, replace, watch, opened, others)
     for note in done.notes:
         echo(note, err=True)
     echo(f"wrote {done.frames} frames to {target}{', replacing what was there' * there}")
 
 
-def _learning_set(source: Path, folder: Path, fps: int, task: str | None, watch: "Watch") -> None:
+def _learning_set(
+    source: Path, folder: Path, fps: int, task: str | None, watch: "Watch", layout: Path | None
+) -> None:  # fmt: skip
     writer = need("tactile.export.lerobot", "a LeRobot dataset")
-    title = task or (source.stem if is_folder_of_recordings(source) else open_source(source).title) or source.stem
-    frames, episodes = writer.write_lerobot(source, folder, fps, title, watch)
+    frames, episodes = writer.write_lerobot(source, folder, fps, task, watch, layout)
     echo(f"wrote {frames} frames at {fps} frames/s in {episodes} episode{'s' * (episodes != 1)} to {folder}")

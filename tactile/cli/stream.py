@@ -26,6 +26,7 @@ from tactile.cli.options import (
     new_mcap,
 )
 from tactile.cli.port import console
+from tactile.cli.port.outputs import VIEWS, LiveOutputs, OutputChoices
 from tactile.core.source import damage_text, report_damage
 from tactile.settings import PipelineOptions
 
@@ -110,22 +111,22 @@ def record(
 @EVERY
 @click.option("--publish", metavar="URL", help="Send each frame as a datagram to udp://HOST:PORT.")
 @click.option("--msgpack", is_flag=True, help="Send datagrams as MessagePack instead of JSON.")
+@click.option("--drawable", is_flag=True, help="Add messages that Foxglove, Lichtblick and RViz draw to --record.")
+@click.option("--view", type=click.Choice(VIEWS), help="Show the frames in a viewer on this machine (extras).")
 @console.ends_at_once()
 def live(
     port: str, protocol: str | None, array: Path | None, output: Path | None, seconds: float | None, once: bool,
-    replace: bool, as_json: bool, every_frame: bool, publish: str | None, msgpack: bool, calibration: Path | None,
-    **chosen: Any,
+    replace: bool, as_json: bool, every_frame: bool, publish: str | None, msgpack: bool, drawable: bool,
+    view: str | None, calibration: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Run the pipeline on frames as they arrive. Typing t and Return requests a tare, t! forces
     it under load, q or Ctrl-C ends.
     """
     from tactile.cli.port.live import LiveMonitor, LiveOptions  # the same
-    from tactile.output.publish import Publisher  # the same
-    from tactile.output.stream_frame import FrameOutput, FrameSink  # the same
 
     check_thresholds(chosen)
-    if msgpack and publish is None:
-        raise click.UsageError("--msgpack is the format of --publish URL")
+    choices = OutputChoices(every_frame, publish, msgpack, drawable, view)
+    choices.check(output is not None)
     as_json = as_json or every_frame
     description = chosen_description(protocol, array)
     session_of, recording = _session_and_recording()
@@ -134,21 +135,19 @@ def live(
     if output is not None:
         origin = {"port": port, "choices": options.text()}
         into = partial(recording, new_mcap(output, replace), description, origin, replace=replace)
-    outputs: list[FrameOutput] = [lambda _, data: console.print_line(data)] if every_frame else []
-    publisher = None if publish is None else Publisher(publish, description.arrays, packed=msgpack)
-    frames = FrameSink(description.arrays, [*outputs, *filter(None, [publisher])])
+    outputs = LiveOutputs(choices, description.arrays)
     fingers = console.warm_up(description, options)
     console.be_steady()
-    view = sys.stdout.isatty() and not as_json
-    say = console.print_line if as_json else console.nothing if view else console.tell
+    screen = sys.stdout.isatty() and not as_json
+    say = console.print_line if as_json else console.nothing if screen else console.tell
     ending, warn = threading.Event(), console.warn_json if as_json else console.warn
     with console.stopping(ending.set):
         session = session_of(port, description, into, seconds, once, ending, warn)
         monitor = LiveMonitor(session.source, say, session.now, session.note, lambda: session.counts)
         threading.Thread(target=console.listen, args=(session,), daemon=True).start()
-        frames.convert.start_ns = session.reader.epoch.unix
-        with console.closing(session, as_json, monitor, publisher), console.viewing(monitor, session, port, view):
-            monitor.run(options, fingers, [frames])
+        closing = console.closing(session, as_json, monitor, outputs.publisher)
+        with closing, outputs.open(session) as sinks, console.viewing(monitor, session, port, screen):
+            monitor.run(options, fingers, sinks)
 
 
 @click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))

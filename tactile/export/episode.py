@@ -14,6 +14,7 @@ from tactile.core.source import with_frames
 from tactile.events.event import Event, EventLog
 from tactile.events.phases import APPROACH, HOLD, LOAD, RELEASE, SLIP, TANGENTIAL, UNLOAD, phases
 from tactile.export.tared import open_for_export
+from tactile.layout.layout import Layout
 from tactile.pipeline import FrameReport
 
 PHASES = (APPROACH, LOAD, HOLD, TANGENTIAL, SLIP, UNLOAD, RELEASE)
@@ -51,7 +52,9 @@ def longest_window(times: Iterable[Sequence[float]], fps: int) -> int:
     return max(int((np.searchsorted(t, t + 1 / fps - 1e-9) - np.arange(t.size)).max()) for t in sorted_)
 
 
-def episode(path: Path, fps: int, window: int, watch: Watch) -> tuple[dict[str, Column], float]:
+def episode(
+    path: Path, fps: int, window: int, watch: Watch, layout: Layout | None = None
+) -> tuple[dict[str, Column], float]:  # fmt: skip
     """Return the columns of an episode by feature, each (frames, ...), and the time [s] of its first frame.
 
     Frame k is at t0 + k / fps. t0 is the first time at which every finger has a tared sample. A finger's observation is
@@ -60,7 +63,7 @@ def episode(path: Path, fps: int, window: int, watch: Watch) -> tuple[dict[str, 
     Raises:
         InputError: it cannot be opened, or a finger has no tared sample.
     """
-    opened, log = open_for_export(path), EventLog()
+    opened, log = open_for_export(path, layout), EventLog()
     source = opened.source
     tracks = {array.name: Track(array) for array in source.arrays}
     for report in pipeline.reports(with_frames(source, watch(source, source.frames)), opened.settings):

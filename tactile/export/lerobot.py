@@ -21,7 +21,8 @@ from tactile.core.array_table import array_table
 from tactile.core.source import provenance
 from tactile.export.episode import PHASES, SLIPS, Column, Watch, episode, longest_window
 from tactile.export.tared import new_folder
-from tactile.sources import is_folder_of_recordings, open_source, recordings_in
+from tactile.layout.layout import Layout
+from tactile.sources import is_folder_of_recordings, layout_of, open_source, recordings_in
 
 CHUNK = 1000
 """Files per folder."""
@@ -32,18 +33,23 @@ NAMES = {1: None, 2: ["taxel", "component"], 3: ["sample", "taxel", "component"]
 """Names of the dimensions of a feature by their number."""
 
 
-def write_lerobot(source: Path, folder: Path, fps: int, task: str, watch: Watch) -> tuple[int, int]:
+def write_lerobot(
+    source: Path, folder: Path, fps: int, task: str | None, watch: Watch, layout: Path | None = None
+) -> tuple[int, int]:  # fmt: skip
     """Write a recording, or each recording of a folder, as an episode; return the numbers of frames and episodes.
+
+    ``task``: text of the task, the title of the first recording unless given; ``layout`` of tables of other programs.
 
     Raises:
         InputError: no recording, recordings of different arrays, an episode without a tared sample, a taken name.
     """
-    paths = recordings_in(source) if is_folder_of_recordings(source) else [source]
+    known = layout_of(source, layout)
+    paths = recordings_in(source, known) if is_folder_of_recordings(source) else [source]
     if not paths:
         raise InputError(f"{source}: no recordings in it, at least one wanted")
-    arrays, window = None, 0
+    arrays, window, title = None, 0, ""
     for path in paths:
-        opened = open_source(path)
+        opened = open_source(path, known)
         times: list[list[float]] = [[] for _ in opened.arrays]
         for frame in opened:
             times[frame.finger].append(frame.t)
@@ -52,18 +58,18 @@ def write_lerobot(source: Path, folder: Path, fps: int, task: str, watch: Watch)
             raise InputError(f"{path}: arrays {found}; those of {paths[0]} wanted: {arrays}")
         if not all(times):
             raise InputError(f"{path}: a finger without frames, at least one frame of each wanted")
-        arrays, window = found, max(window, longest_window(times, fps))
+        arrays, window, title = found, max(window, longest_window(times, fps)), title or opened.title or path.stem
     with new_folder(folder) as made:
-        return _write(paths, made, fps, window, (task, watch)), len(paths)
+        return _write(paths, made, fps, window, (task or title, watch, known)), len(paths)
 
 
-def _write(paths: list[Path], folder: Path, fps: int, window: int, more: tuple[str, Watch]) -> int:
-    task, watch = more
+def _write(paths: list[Path], folder: Path, fps: int, window: int, more: tuple[str, Watch, Layout | None]) -> int:
+    task, watch, layout = more
     rows: list[dict[str, Any]] = []
     stats: list[dict[str, Any]] = []
     origin, features, total = [], dict[str, Any](), 0
     for number, path in enumerate(paths):
-        columns, first = episode(path, fps, window, watch)
+        columns, first = episode(path, fps, window, watch, layout)
         count = len(next(iter(columns.values())))
         frame = np.arange(count)
         index = ((frame / fps).astype(np.float32), frame, np.full(count, number), total + frame, np.zeros(count, int))
@@ -78,7 +84,7 @@ def _write(paths: list[Path], folder: Path, fps: int, window: int, more: tuple[s
             "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0,
             **{f"stats/{name}/{kind}": one for name, of in stats[-1].items() for kind, one in of.items()},
         })  # fmt: skip
-        start = provenance(open_source(path)).start_ns
+        start = provenance(open_source(path, layout)).start_ns
         unix = None if start is None else start + round(first * 1e9)
         origin.append({"recording": path.name, "first_frame_s": first, "start_ns": start, "first_frame_ns": unix})
         total += count
@@ -88,7 +94,7 @@ def _write(paths: list[Path], folder: Path, fps: int, window: int, more: tuple[s
         "splits": {"train": f"0:{len(rows)}"}, "data_path": f"data/{PLACE}", "video_path": None, "features": features,
     }  # fmt: skip
     about = {
-        "arrays": [array_table(array, "m") for array in open_source(paths[0]).arrays], "phases": PHASES,
+        "arrays": [array_table(array, "m") for array in open_source(paths[0], layout).arrays], "phases": PHASES,
         "slips": SLIPS, "episodes": origin,
     }  # fmt: skip
     _table({name: pa.array([row[name] for row in rows]) for name in rows[0]},

@@ -1,21 +1,26 @@
 """What exports read and write: recordings after the tare of a run, and a new folder for the result."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from cnnsim.support import InputError
 from cnnsim.support.limits import reason
 from tactile import pipeline
 from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.core.frame import Frame
-from tactile.core.source import FrameStream, provenance
+from tactile.core.source import FrameStream, provenance, with_frames
 from tactile.settings import PipelineOptions
 
+if TYPE_CHECKING:
+    from tactile.export.drawable import Message
+    from tactile.layout.layout import Layout
 
-def open_for_export(path: Path, layout: Path | None = None) -> Opened:
+
+def open_for_export(path: Path, layout: "Layout | Path | None" = None) -> Opened:
     """Open a scene, a recording or a table with a ``layout``, with the settings of `tactile run`.
 
     Raises:
@@ -46,6 +51,15 @@ class _Tared:
 
     def __iter__(self) -> Iterator[Frame]:
         return (report.frame for report in pipeline.reports(self._opened.source, self._opened.settings))
+
+
+def drawn(opened: Opened, frames: Iterable[Frame], start_ns: int, *, ros: bool = False) -> "Iterator[Message]":
+    """Return the messages that viewers draw of the ``frames`` of an opened recording; arguments as `Drawable`."""
+    from tactile.export.drawable import Drawable  # rosbags is slow to import
+
+    drawable = Drawable(opened.source.arrays, start_ns, ros=ros)
+    for report in pipeline.reports(with_frames(opened.source, frames), opened.settings):
+        yield from drawable(report)
 
 
 @contextmanager

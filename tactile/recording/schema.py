@@ -9,11 +9,14 @@ Source: OMG Common Data Representation, DDS-XTypes 1.3, section 7.4.1 (version 1
 import json
 import struct
 import zlib
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from tactile.core.frame import Frame
+
+if TYPE_CHECKING:
+    from mcap.writer import Writer
 
 VERSION = "2"
 """Version of the topics, records and messages; a reader refuses other versions."""
@@ -100,6 +103,31 @@ def log_line(topic: str, note: dict[str, Any], ns: int) -> dict[str, Any] | None
     level = WARNING if message == "unplugged" or note.get("taken") is False else INFO
     time = {"sec": ns // 10**9, "nsec": ns % 10**9}
     return {"timestamp": time, "level": level, "message": message, "name": name, "file": "", "line": 0}
+
+
+class OtherMessage(Protocol):
+    """A message of another kind, such as `tactile.export.drawable.Message`."""
+
+    @property
+    def topic(self) -> str: ...  # noqa: D102 - the class says it
+    @property
+    def schema(self) -> str: ...  # noqa: D102
+    @property
+    def encoding(self) -> str: ...  # noqa: D102
+    @property
+    def definition(self) -> tuple[str, bytes]: ...  # noqa: D102
+    @property
+    def ns(self) -> int: ...  # noqa: D102
+    @property
+    def data(self) -> bytes: ...  # noqa: D102
+
+
+def add_other(writer: "Writer", channels: dict[str, int], message: OtherMessage) -> None:
+    """Write a message of another kind; its channel is made with the first message of a topic."""
+    if message.topic not in channels:
+        kind = writer.register_schema(message.schema, *message.definition)
+        channels[message.topic] = writer.register_channel(message.topic, message.encoding, kind)
+    writer.add_message(channels[message.topic], message.ns, message.data, message.ns)
 
 
 def sum_of(made: dict[str, str]) -> str:

@@ -46,7 +46,7 @@ class Recording:
         compressed: bool = False, replace: bool = False,
     ) -> None:  # fmt: skip
         self._path, self._file = path, DurableFile(path, replace)
-        self._lock = threading.Lock()
+        self._lock, self._others = threading.Lock(), dict[str, int]()
         self._start, self._pushed, self._compressed = epoch.unix, time.monotonic(), compressed
         self._writer = Writer(
             self._file,  # type: ignore[arg-type]  # write, tell and flush are all that it uses
@@ -107,6 +107,12 @@ class Recording:
         line = schema.log_line(topic, data, self._start + t)
         if line is not None:
             self._json("/log", t, line)
+
+    def other(self, message: schema.OtherMessage) -> None:
+        """Write a message of another kind."""
+        if not self._file.failed:
+            with self._lock:
+                schema.add_other(self._writer, self._others, message)
 
     def _json(self, topic: str, t: int, data: dict[str, Any]) -> None:
         self._add(self._notes[topic], t, json.dumps(data, ensure_ascii=False, allow_nan=False).encode())

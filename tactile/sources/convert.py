@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from tactile.sources import open_source
 from tactile.sources.replay_csv import write_csv
 from tactile.sources.replay_npz import write_npz
 from tactile.sources.replay_pillars import PILLAR_PITCH, PillarStream
+
+if TYPE_CHECKING:
+    from tactile.recording.index import Others
 
 
 class Conversion(NamedTuple):
@@ -31,12 +34,13 @@ def convert(
     replace: bool = False,
     watch: Callable[[Iterable[Frame], int | None], Iterable[Frame]] = lambda seen, _: seen,
     opened: Source | None = None,
+    others: "Others | None" = None,
 ) -> Conversion:
     """Write the frames of ``source`` to ``target`` in the format of its suffix.
 
     Arrays, names, units, times, sequence numbers and flags are kept bit for bit. The target is written completely or
     not at all. ``watch`` receives the frames and their number, and passes them on. ``opened``: the frames to write,
-    unless they are those of the file.
+    unless they are those of the file; ``others``: makes further messages of an MCAP file.
 
     Raises:
         InputError: an unknown suffix, an existing target (unless ``replace``), no frames, a full disk, or errors of the
@@ -47,6 +51,8 @@ def convert(
         raise InputError(f"{target}: frames make no scene; a recording, one of {', '.join(WRITERS)} wanted")
     if suffix not in WRITERS:
         raise InputError(f"{target}: suffix {target.suffix!r}, one of {', '.join(WRITERS)} wanted")
+    if others is not None and suffix != ".mcap":
+        raise InputError(f"{target}: messages that viewers draw fit into no {suffix} file; .mcap wanted")
     if target.exists() and target.samefile(source):
         raise InputError(f"{target} is the recording itself; another name wanted")
     copied = opened is None and suffix == source.suffix.lower() == ".mcap"
@@ -55,9 +61,11 @@ def convert(
     with writing(target) as beside:
         frames = seen.through(watch(opened, opened.frames))
         if copied:
-            need("tactile.recording.index", "an MCAP recording").write_indexed(source, beside)
+            need("tactile.recording.index", "an MCAP recording").write_indexed(source, beside, others, frames)
             for _ in frames:
                 pass
+        elif others is not None:
+            _mcap(beside, with_frames(opened, frames), others)
         else:
             WRITERS[suffix](beside, with_frames(opened, frames))
         if not seen.frames:
@@ -112,8 +120,8 @@ def _parquet(path: Path, source: Source) -> None:
     need("tactile.sources.replay_parquet", "a Parquet file").write_parquet(path, source)
 
 
-def _mcap(path: Path, source: Source) -> None:
-    need("tactile.recording.index", "an MCAP recording").write_frames(path, source)
+def _mcap(path: Path, source: Source, others: "Others | None" = None) -> None:
+    need("tactile.recording.index", "an MCAP recording").write_frames(path, source, others)
 
 
 WRITERS: dict[str, Callable[[Path, Source], Any]] = {

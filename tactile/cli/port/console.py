@@ -168,9 +168,9 @@ def nothing(line: dict[str, Any]) -> None:
     """Print nothing, because there is a view."""
 
 
-def warn(text: str) -> None:
-    """Print a warning about the port."""
-    echo(f"warning: {text}", err=True)
+def warn(text: str, kind: str = "warning") -> None:
+    """Print a warning or a note about the port."""
+    echo(f"{kind}: {text}", err=True)
 
 
 def warn_json(text: str) -> None:
