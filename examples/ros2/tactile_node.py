@@ -52,7 +52,9 @@ class TactileNode(Node):  # type: ignore[misc]  # its class is unknown without R
 def main() -> None:
     """Publish the frames of a port until it is closed or Ctrl-C."""
     rclpy.init()
-    with tactile.stream(*sys.argv[1:3]) as frames:
+    port, array = (*sys.argv[1:], None)[:2]
+    assert port is not None, "python tactile_node.py PORT ARRAY.toml"
+    with tactile.stream(port, array) as frames:
         node = TactileNode(frames)
         Thread(target=rclpy.spin, args=(node,), daemon=True).start()
         for frame in frames:
