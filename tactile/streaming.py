@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 from cnnsim.support import InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.extras import need
+from cnnsim.support.toml_file import read_toml
 from cnnsim.support.values import is_number
 from tactile import pipeline
 from tactile.core.frame import TaxelArray
@@ -83,10 +84,10 @@ def stream(
         for frame in frames:
             print(frame.t, frame.load.F, frame.slip_margin)
 
-    Arguments: ``array``: array description of a port, its file or the name of a protocol with one form; a file has its
-    own, which must have the same arrays; ``settings``: those of `tactile live` or `tactile run` unless given;
-    ``friction``: coefficient of friction of the slip margin until a slip has been measured; ``seconds`` [s] after which
-    a port is closed.
+    Arguments: ``array``: array description of a port, its file or the name of a protocol with one form; a recording has
+    its own, which must have the same arrays, and a table of another program needs one with a layout; ``settings``:
+    those of `tactile live` or `tactile run` unless given; ``friction``: coefficient of friction of the slip margin
+    until a slip has been measured; ``seconds`` [s] after which a port is closed.
 
     Raises:
         InputError: the port or file cannot be opened, no array of a port, arrays that differ from those of the file.
@@ -95,9 +96,10 @@ def stream(
         raise InputError(f"stream({shown(port_or_file)}, ...); the name of a port or a file wanted")
     if not is_number(friction) or not friction > 0:
         raise InputError(f"friction {shown(friction)}; a positive number wanted")
-    path, description = Path(port_or_file), None if array is None else _described(array)
+    path = Path(port_or_file)
     if path.is_file() or path.is_dir() or path.suffix.lower() in KINDS:
-        return _of_file(path, description, settings, friction)
+        return _of_file(path, array, settings, friction)
+    description = None if array is None else _described(array)
     if description is None:
         raise InputError(f"stream({str(port_or_file)!r}): a port, and no array; the file that describes it wanted")
     description.check_calibrated()
@@ -112,16 +114,25 @@ def stream(
     return Stream(reports, description.arrays, StreamFrames(session.reader.epoch.unix, friction), session)
 
 
-def _of_file(path: Path, wanted: "Description | None", settings: Settings | None, friction: float) -> Stream:
+def _of_file(
+    path: Path, array: "str | Path | Description | None", settings: Settings | None, friction: float
+) -> Stream:  # fmt: skip
     from tactile.cli.opened import RunChoices, open_for_run  # slow to import
 
-    opened = open_for_run(path, RunChoices(PipelineOptions()))
+    layout = Path(array) if isinstance(array, str | Path) and _has_layout(Path(array)) else None
+    wanted = None if array is None or layout is not None else _described(array)
+    opened = open_for_run(path, RunChoices(PipelineOptions(), layout=layout))
     source = opened.source
     if wanted is not None and [one.shape for one in wanted.arrays] != [one.shape for one in source.arrays]:
         found, said = (", ".join(f"{a.name} {a.rows} x {a.cols}" for a in one.arrays) for one in (source, wanted))
         raise InputError(f"{path} has arrays {found}; the array description has {said}")
     reports = pipeline.reports(source, settings or opened.settings)
     return Stream(reports, source.arrays, StreamFrames(provenance(source).start_ns, friction))
+
+
+def _has_layout(array: Path) -> bool:
+    """Return whether an array file describes tables of other programs."""
+    return array.is_file() and "layout" in read_toml(array, "array description")
 
 
 def _described(array: "str | Path | Description") -> "Description":

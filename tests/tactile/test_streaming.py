@@ -60,6 +60,33 @@ def test_a_file_gives_tared_frames_with_load_code_margin_and_the_events_of_a_run
     assert [(one.t, one.finger, one.load.validity) for one in again] == [(o.t, o.finger, o.load.validity) for o in got]
 
 
+LAYOUT = """
+[layout]
+time = "t"
+[[finger]]
+name = "pad"
+rows = 1
+cols = 2
+pitch_mm = 4.0
+depth_mm = 0.0
+quantity = "force"
+columns = ["x0", "y0", "z0", "x1", "y1", "z1"]
+"""
+
+
+def test_a_table_of_another_program_is_streamed_with_its_layout(tmp_path: Path, recording: Path) -> None:
+    rows = [f"{n / 100},{','.join(f'{0.3 * (n > 80) + 0.001 * ((n * k) % 7):.3f}' for k in range(2, 8))}"
+            for n in range(120)]  # fmt: skip
+    (tmp_path / "t.csv").write_text("\n".join(["t,x0,y0,z0,x1,y1,z1", *rows]) + "\n")
+    array = write_array(tmp_path, LAYOUT)
+    with tactile.stream(tmp_path / "t.csv", array) as frames:
+        begun = [event.kind for frame in frames for event in frame.begun]
+    assert "contact" in begun
+    native = write_array(tmp_path, emulated_description("native", grip(0.1, 1)).text)
+    with pytest.raises(InputError, match=r"has arrays left 2 x 2, right 2 x 2; the array description has left 2 x 2"):
+        tactile.stream(recording, native)
+
+
 def test_the_slip_margin_is_the_distance_from_the_limit_of_friction() -> None:
     margins, sliding = SlipMargins(0.5), [SimpleNamespace(kind="slip")]
 

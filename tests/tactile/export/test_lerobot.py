@@ -127,7 +127,7 @@ def test_wrong_requests_are_refused(tmp_path: Path) -> None:
     take = write_presses(tmp_path / "a.npz", seconds=0.1)
     (tmp_path / "set").mkdir()
     for words, message in (
-        ((take,), "one TARGET wanted"), ((take, tmp_path / "b.csv", "--lerobot", tmp_path / "x"), "one TARGET wanted"),
+        ((take,), "one target wanted"), ((take, tmp_path / "b.csv", "--lerobot", tmp_path / "x"), "one target wanted"),
         ((take, tmp_path / "b.csv", "--fps", "10"), "belong to --lerobot"),
         ((take, "--lerobot", tmp_path / "set"), "there is something of that name"),
         ((take, "--lerobot", tmp_path / "new"), "finger 'thumb': no tared sample"),
