@@ -11,7 +11,8 @@ from cnnsim import backends, library
 from cnnsim.cli.pictures import check_plot
 from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
-from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.files import check_place, write_rows, writing
 from cnnsim.support.pictures.picture import read_picture
 from cnnsim.support.terminal import echo, say
@@ -40,6 +41,7 @@ _FILE = click.Path(path_type=Path)
     help="Time constants after which runs are compared; the template's or 10 if not given.",
 )
 @click.option("--backend", "names", multiple=True, type=click.Choice(backends.NAMES), help="One or more; cpu if none.")
+@replace_option
 @json_option
 def accuracy(
     name: str, picture: Path | None, output: Path | None, figures: Path | None, duration: float | None,
@@ -56,6 +58,7 @@ def accuracy(
     entry = library.load(name)
     check_plot(output)
     check_place(figures)
+    claim(output, figures)
     shown = np.random.default_rng(1).uniform(-1, 1, (16, 16)) if picture is None else _middle(read_picture(picture))
     if entry.frame_time is not None or isinstance(entry.initial_state, tuple) or entry.cell.model == "discrete-time":
         raise InputError(f"template {name!r} takes a sequence, layers or discrete time; one layer that runs on wanted")

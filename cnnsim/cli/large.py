@@ -12,6 +12,7 @@ from cnnsim.backends.base import Backend
 from cnnsim.cli.pictures import arrow, check_output
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.support import InputError
+from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import print_json
 from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence, size_text
@@ -64,7 +65,10 @@ def run_large(
     if output is not None and (output.is_dir() or not output.suffix):
         output /= f"{entry.name}.png"
         check_folder(output.parent)
-    elif output is not None and output.suffix.lower() != ".npy":
+        claim(output)
+    elif output is not None and output.suffix.lower() == ".npy":
+        claim(output)
+    else:
         check_output(output, film=False)
     planes = {
         name: open_large(path, binary=reading.binary, levels=reading.levels)

@@ -12,6 +12,7 @@ from PIL import Image
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import LayeredTemplate
 from cnnsim.support import Array, InputError
+from cnnsim.support.command_files import claim
 from cnnsim.support.files import check_folder, check_place, make_folder
 from cnnsim.support.pictures.film import FILM_ENDINGS, filming, is_film, video_library
 from cnnsim.support.pictures.picture import write_picture
@@ -81,18 +82,23 @@ def read_beside(path: Path | None, what: str, pictures: Array, reading: PictureO
     return planes
 
 
-def check_output(path: Path | None, *, film: bool) -> None:
+def check_output(path: Path | None, *, film: bool, name: str = "", count: int | None = None) -> None:
     """Check before the run that `write_planes` can write a path; None is skipped.
 
+    ``count``: number of pictures, None for one without a number.
+
     Raises:
-        InputError: the folder is missing, or no picture (or with ``film`` no film) has this ending.
+        InputError: the folder is missing, no picture (or with ``film`` no film) has this ending, or as `claim`.
     """
     if path is None:
         return
     if path.is_dir() or not path.suffix:
         check_folder(path)
+    else:
+        check_place(path)
+    claim(*planned(path, film=film, name=name, count=count))
+    if path.is_dir() or not path.suffix:
         return
-    check_place(path)
     if film and is_film(path):
         check_film(path)
     elif Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE:
@@ -137,19 +143,24 @@ def write_planes(y: Array, path: Path, *, film: bool, name: str = "") -> list[Pa
     """
     if path.is_dir() or not path.suffix:
         make_folder(path)
-        path /= f"{name}.png"
-    if y.ndim == 2:
-        write_picture(y, path)
-        return [path]
-    if film and is_film(path):
+    paths = planned(path, film=film, name=name, count=None if y.ndim == 2 else len(y))
+    if y.ndim > 2 and film and is_film(path):
         with filming(path, FRAME_RATE) as add:
             for picture in y:
                 add(picture)
-        return [path]
-    paths = [path.with_stem(f"{path.stem}-{number}") for number in range(len(y))]
-    for picture, target in zip(y, paths, strict=True):
+        return paths
+    for picture, target in zip(y[None] if y.ndim == 2 else y, paths, strict=True):
         write_picture(picture, target)
     return paths
+
+
+def planned(path: Path, *, film: bool, name: str, count: int | None) -> list[Path]:
+    """Return the files that `write_planes` writes: one film, one picture if ``count`` is None, or numbered pictures."""
+    if path.is_dir() or not path.suffix:
+        path /= f"{name}.png"
+    elif film and is_film(path):
+        count = None
+    return [path] if count is None else [path.with_stem(f"{path.stem}-{number}") for number in range(count)]
 
 
 def arrow(paths: Sequence[Any]) -> str:

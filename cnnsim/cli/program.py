@@ -22,7 +22,8 @@ from cnnsim.cli.large import (
 from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, range_option
 from cnnsim.cli.run import backend_option, device_option, json_option, threads_option
 from cnnsim.support import Array, InputError
-from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.film import filming, is_film
 from cnnsim.support.pictures.picture import write_picture
@@ -37,7 +38,7 @@ _SHOWN = 10
 @click.command(
     epilog=examples(
         "cnnsim program opening --input picture=scan.png -o out/",
-        "cnnsim program gray-opening --input picture=photo.png --set radius=2 -o out/",
+        "cnnsim program gray-opening --input picture=photo.png --set radius=2 -o gray/",
         "cnnsim program motion-detection --input frame=f1.png --input frame=f2.png -o out/",
         "cnnsim program motion-detection --input frame=walk.mp4 --binary -o moving.gif",
         "cnnsim program count-objects --input picture=scan.png --engine processes --store blocks/ --json",
@@ -63,6 +64,7 @@ _SHOWN = 10
 @store_option
 @workers_option
 @block_option
+@replace_option
 @json_option
 def program(
     file: str, pairs: tuple[str, ...], stills: tuple[str, ...], settings: tuple[str, ...], output: Path | None,
@@ -100,6 +102,9 @@ def program(
     files: dict[str, list[Path]] = {name: [] for name in parsed.outputs}
     planes = [name for name in parsed.outputs if parsed.memory[name] != "wire"]
     rate = next((sequence.rate for sequence in inputs.values() if sequence.rate), FRAME_RATE)
+    several = steps != 1
+    if output is not None and not film:
+        claim(*(output / f"{name}{'-0000' * several}.png" for name in planes))
     with ExitStack() as films:
         adding = {}
         chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
@@ -108,7 +113,6 @@ def program(
             for name in planes:
                 path = output if len(planes) == 1 else output.with_stem(f"{output.stem}-{name}")
                 adding[name], files[name] = films.enter_context(filming(path, rate)), [path]
-        several = steps != 1
         for number, pictures in enumerate(watched(_pictures(inputs, steps), parsed.name, steps)):
             for name, value in machine.run(parsed, **pictures).items():
                 if isinstance(value, int):

@@ -8,7 +8,8 @@ from cnnsim import library
 from cnnsim.cli.pictures import binary_option, check_plot, range_option
 from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
-from cnnsim.support.command_line import examples, print_json, progress
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, progress, replace_option
 from cnnsim.support.pictures.picture import read_picture
 from cnnsim.support.pictures.read import read_pictures
 from cnnsim.support.terminal import echo, say, say_table
@@ -17,8 +18,8 @@ from cnnsim.support.terminal import echo, say, say_table
 @click.command(
     epilog=examples(
         "cnnsim robust edge -o curve.png",
-        "cnnsim robust hole-filler --draws 100 -o curve.png",
-        "cnnsim robust edge-gray --picture photo.jpg -o curve.png",
+        "cnnsim robust hole-filler --draws 100 -o filler.png",
+        "cnnsim robust edge-gray --picture photo.jpg -o gray.png",
         "cnnsim robust corner --json",
     )
 )
@@ -33,6 +34,7 @@ from cnnsim.support.terminal import echo, say, say_table
 @range_option
 @click.option("--draws", type=click.IntRange(1, 10_000), default=40, show_default=True, help="Random chips a level.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@replace_option
 @json_option
 def robust(
     name: str, output: Path | None, pictures: tuple[Path, ...], state: Path | None, binary: bool,
@@ -48,6 +50,7 @@ def robust(
     from cnnsim.prototyping.robust.robust import measure
 
     check_plot(output)
+    claim(output)
     entry, shown = library.load(name), []
     if pictures:
         planes = read_pictures(*pictures, binary=binary, levels=levels)

@@ -22,12 +22,13 @@ from cnnsim.cli.pictures import (
     read_for,
     write_planes,
 )
-from cnnsim.network import parse_boundary
+from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
-from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.pictures.film import write_film
 from cnnsim.support.pictures.sequence import PictureOptions
 from cnnsim.support.terminal import say
@@ -49,10 +50,10 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
         "cnnsim run hole-filler scan.png -o filled.png --binary --trajectory wave.gif",
         "cnnsim run diffusion photo.jpg -o soft.png --time 3 --boundary zero-flux",
         "cnnsim run recall mask.png --state marker.png -o found.png",
-        "cnnsim run diffusion photo.jpg -o soft.png --accuracy 1e-5",
+        "cnnsim run diffusion photo.jpg -o softer.png --accuracy 1e-5",
         "cnnsim run edge scans/ -o edges.png",
         "cnnsim run edge walk.mp4 -o edges.gif",
-        "cnnsim run hole-filler scan.png --mask keep.png -o filled.png",
+        "cnnsim run hole-filler scan.png --mask keep.png -o kept.png",
         "cnnsim run hole-filler scan.png --engine processes --store blocks/ -o full.png",
     )
 )
@@ -91,6 +92,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @store_option
 @workers_option
 @block_option
+@replace_option
 @json_option
 def run(
     name: str, pictures: tuple[Path, ...], output: Path | None, state: Path | None, mask: Path | None,
@@ -115,6 +117,7 @@ def run(
         given["boundary"] = parse_boundary(given["boundary"])
     check_engine_options(engine, store, workers, block)
     check_film(trajectory)
+    claim(trajectory)
     where: Backend = backends.get(backend, dtype, device, threads)
     if engine is not None or store is not None:
         if trajectory is not None:
@@ -134,7 +137,8 @@ def run(
         if (plane := read_beside(path, f"--{key}", shown, reading)) is not None:
             task[key] = as_map(plane, f"--{key}", task["state"])
     film = entry.frame_time is None and shown.ndim == 3
-    check_output(output, film=film)
+    layers = len(entry.network.layers) if isinstance(entry.network, LayeredTemplate) else None
+    check_output(output, film=film, name=name, count=len(shown) if film else layers)
     try:
         result = run_transient(entry.network, **task, backend=where)
     except NotSettledError as error:

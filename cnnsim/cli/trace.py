@@ -19,7 +19,8 @@ from cnnsim.network import parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
-from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option
 from cnnsim.support.pictures.film import write_film
 from cnnsim.support.pictures.sequence import PictureOptions
 from cnnsim.support.terminal import say
@@ -30,9 +31,9 @@ _FILE = click.Path(path_type=Path)
 @click.command(
     epilog=examples(
         "cnnsim trace edge square.png -o trace.png",
-        "cnnsim trace hole-filler scan.png --binary --cell 3,4 --cell 5,5 -o trace.png --film film.gif",
-        "cnnsim trace moving-parts frame1.png frame2.png frame3.png -o trace.png",
-        "cnnsim trace recall mask.png --state marker.png --time 12 --scheme rk4 -o trace.png",
+        "cnnsim trace hole-filler scan.png --binary --cell 3,4 --cell 5,5 -o holes.png --film film.gif",
+        "cnnsim trace moving-parts frame1.png frame2.png frame3.png -o moving.png",
+        "cnnsim trace recall mask.png --state marker.png --time 12 --scheme rk4 -o recall.png",
     )
 )
 @click.argument("name")
@@ -49,6 +50,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--time", "duration", type=float, help="Watch this many time constants instead of until it settles.")
 @click.option("--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's.")
 @backend_option
+@replace_option
 @json_option
 def trace(
     name: str, pictures: tuple[Path, ...], output: Path | None, cells: tuple[str, ...], film: Path | None, frames: int,
@@ -68,6 +70,7 @@ def trace(
         raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")
     check_plot(output)
     check_film(film)
+    claim(output, film)
     entry = library.load(name)
     where = backends.get(backend)
     reading = PictureOptions(binary, levels, where.dtype)

@@ -17,7 +17,8 @@ from cnnsim.library.folders import folder as shipped_folder
 from cnnsim.library.imported import Imported
 from cnnsim.library.read import load_file
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.files import check_free, make_folder, writing
+from cnnsim.support.command_files import check_free
+from cnnsim.support.files import make_folder, writing
 from cnnsim.support.limits import FOREIGN, TEMPLATES, check_file
 
 
@@ -113,7 +114,7 @@ def _write(imported: Imported, folder: Path, report: Diagnostics, replace: bool)
         report.warning(None, f"{imported.name}: {text}")
     try:
         make_folder(folder)
-        with writing(target, follow=False) as temporary:
+        with writing(target, replace=True, follow=False) as temporary:
             temporary.write_text(imported.text(), encoding="utf-8")
             try:
                 load_file(temporary)

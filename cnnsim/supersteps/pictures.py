@@ -9,6 +9,7 @@ from PIL import Image
 from cnnsim.supersteps.store import zarr_library
 from cnnsim.support import Array, InputError
 from cnnsim.support.array_files import mapped_array
+from cnnsim.support.command_files import note_read
 from cnnsim.support.files import writing
 from cnnsim.support.limits import one_line
 from cnnsim.support.memory import check_memory
@@ -32,6 +33,7 @@ def open_large(path: Path, *, binary: bool = False, levels: Levels | None = None
     plain = not binary and levels is None
     if path.is_dir():
         zarr = zarr_library()
+        note_read(path)
         with one_line(path, "a Zarr array"):
             found = zarr.open_array(path, mode="r")
         _check_plane(found, path, "bf" if plain else "")

@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 
 import click
 
-from cnnsim.start import STOPPED, leave, raise_again
+from cnnsim.start import Stop, leave, raise_again
+from cnnsim.support.command_files import CommandFiles, command_files
 from cnnsim.support.errors import InputError
-from cnnsim.support.files import Replaced
 from cnnsim.support.interrupts import Stopping
 from cnnsim.support.notices import CompileNotice, Notices
 from cnnsim.support.progress import terminal_bar, watched_by
@@ -95,12 +95,11 @@ class CommandGroup(click.Group):
 
     def _invoked(self, ctx: click.Context) -> Any:
         os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # waiting threads that spin take the cores of others
-        Replaced.tell = _tell_replaced
         before, Notices.tell = Notices.tell, _tell
         Stopping.command_line = True
         try:
             raise_again()
-            with _printable_mistakes(), watched_by(terminal_bar()):
+            with command_files(_tell_replaced), _printable_mistakes(), watched_by(terminal_bar()):
                 return super().invoke(ctx)
         except KeyboardInterrupt:
             echo("stopped", err=True)
@@ -108,7 +107,7 @@ class CommandGroup(click.Group):
                 sys.stdout.flush()
                 _release_semaphores()
                 leave()
-            ctx.exit(STOPPED)
+            ctx.exit(Stop.code)
         except InputError as error:
             raise _Mistake(str(error)) from error
         except OSError as error:
@@ -137,6 +136,17 @@ def _tell(notice: str) -> None:
 
 def _tell_replaced(path: Path) -> None:
     echo(f"replaced {path}", err=True)
+
+
+def _allow_replacing(_context: click.Context, _option: click.Parameter, given: bool) -> bool:
+    if CommandFiles.current is not None:
+        CommandFiles.current.replace = given
+    return given
+
+
+replace_option = click.option(
+    "--replace", is_flag=True, expose_value=False, callback=_allow_replacing, help="Overwrite existing files."
+)
 
 
 def watched(items: Iterable[Item], what: str, total: float | None = None) -> Iterable[Item]:

@@ -3,29 +3,14 @@
 import csv
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from cnnsim.support.command_files import CommandFiles, check_free
 from cnnsim.support.errors import InputError, shown
-
-
-class Replaced:
-    """Callback for files that were overwritten; command lines set ``tell`` to print them on stderr."""
-
-    tell: Callable[[Path], None] | None = None
-
-
-@contextmanager
-def telling_nobody() -> Iterator[None]:
-    """Report no overwritten files in a block, for files of our own that are updated."""
-    tell, Replaced.tell = Replaced.tell, None
-    try:
-        yield
-    finally:
-        Replaced.tell = tell
 
 
 def named_file(path: Any) -> Path:
@@ -40,18 +25,21 @@ def named_file(path: Any) -> Path:
 
 
 @contextmanager
-def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> Iterator[Path]:
+def writing(path: str | Path, *, replace: bool | None = None, follow: bool = True) -> Iterator[Path]:
     """Yield a temporary path; it is renamed to ``path`` when the block succeeds, and removed when it fails.
 
     The temporary path has the name of ``path``, whose ending decides the format, in a new folder next to it. A device
     or a pipe is written directly. A symbolic link is followed; without ``follow`` it is replaced, for folders in which
-    names come from a file.
+    names come from a file. ``replace``: an existing file may be replaced; if None, commands need --replace for it.
 
     Raises:
-        InputError: no path; the file exists and ``replace`` is false; it cannot be written.
+        InputError: no path; the file exists and may not be replaced; it cannot be written; it is an input or another
+            output of the running command.
     """
-    target = named_file(path)
-    check_free(target, replace=replace)
+    target, files = named_file(path), CommandFiles.current
+    if files is not None:
+        files.begin(target, replace)
+    check_free(target, replace=files is not None or replace is not False)
     try:
         if target.exists() and not target.is_file() and (follow or not target.is_symlink()):
             if target.is_dir():
@@ -76,20 +64,8 @@ def writing(path: str | Path, *, replace: bool = True, follow: bool = True) -> I
         raise
     except (OSError, ValueError, RuntimeError) as error:  # an ending that the writer does not know; a looping link
         raise InputError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
-    if there and Replaced.tell is not None:
-        Replaced.tell(target)
-
-
-def check_free(*paths: Path, replace: bool) -> None:
-    """Check, before a long computation, that `writing` may write files.
-
-    Raises:
-        InputError: some of the files exist and ``replace`` is false.
-    """
-    there = [] if replace else [str(path) for path in paths if path.exists()]
-    if there:
-        verb, them = ("is", "it") if len(there) == 1 else ("are", "them")
-        raise InputError(f"{', '.join(there)} {verb} there already; --replace would write over {them}")
+    if there and files is not None:
+        files.tell(target)
 
 
 def check_place(*paths: Path | None) -> None:
@@ -122,7 +98,7 @@ def check_folder(folder: Path) -> None:
             return
 
 
-def write_text(path: str | Path, text: str, *, replace: bool = True, follow: bool = True) -> None:
+def write_text(path: str | Path, text: str, *, replace: bool | None = None, follow: bool = True) -> None:
     """Write a text file (UTF-8) with `writing`, and make its parent folders.
 
     Raises:

@@ -30,9 +30,10 @@ class Stopping:
             return
         cls._depth += depth
         if depth > 0 and cls._depth == 1 and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, cls._record)
-        elif cls._depth == 0 and signal.getsignal(signal.SIGINT) == cls._record:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.signal(signal.SIGINT, cls.record)
+        elif cls._depth == 0:
+            if signal.getsignal(signal.SIGINT) == cls.record:
+                signal.signal(signal.SIGINT, signal.default_int_handler)
             cls.check()
 
     @classmethod
@@ -43,7 +44,13 @@ class Stopping:
             raise KeyboardInterrupt
 
     @classmethod
-    def _record(cls, *_of: Any) -> None:
+    def is_compiling(cls) -> bool:
+        """Return whether the main thread is in the compiler."""
+        return cls._depth > 0
+
+    @classmethod
+    def record(cls, *_of: Any) -> None:
+        """Record an interrupt; a second one ends a command at once."""
         if cls._pending and cls.command_line:
             leave()
         cls._pending = True

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from cnnsim.support.command_files import note_read
 from cnnsim.support.errors import InputError
 
 TEXT, FOREIGN = 2**20, 2**18
@@ -47,9 +48,13 @@ def check_most(value: float, most: float, what: str) -> None:
 
 
 def check_plain(path: Path, what: str) -> None:
-    """Raise an InputError for a folder, a device or a pipe, which could block; a missing file is accepted."""
+    """Raise an InputError for a folder, a device or a pipe, which could block; a missing file is accepted.
+
+    The file is an input of the running command, see `cnnsim.support.command_files`.
+    """
     if path.exists() and not path.is_file():
         raise InputError(f"{path}: {'a folder' if path.is_dir() else 'no plain file'}; a {what} wanted")
+    note_read(path)
 
 
 def check_file(path: Path, what: str, most: int) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import click
 
-from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option
 from cnnsim.support.terminal import echo, say
 
 ERRORS = 20
@@ -39,6 +40,7 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
     @click.option("--engine", default="processes", show_default=True,
                   help="Where: processes of this machine, or dask=ADDRESS of a scheduler.")  # fmt: skip
     @click.option("--workers", type=click.IntRange(1), help="Worker processes; without it one a core.")
+    @replace_option
     @click.option("--json", "as_json", is_flag=True, help="Print JSON for a machine to read.")
     def sweep(
         spec: Path, output: Path, plots: tuple[str, ...], engine: str, workers: int | None, as_json: bool
@@ -48,11 +50,11 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
         from cnnsim.sweep.spec import read_sweep
 
         wanted = [parse_plot(text) for text in plots]
+        drawn = [output / f"{y}-over-{x}{f'-by-{colour}' if colour else ''}.png" for x, y, colour in wanted]
+        claim(*drawn)
         found = run_sweep(read_sweep(spec, kinds), output, engine=engine, workers=workers)
-        drawn = []
-        for x, y, colour in wanted:
-            drawn.append(output / f"{y}-over-{x}{f'-by-{colour}' if colour else ''}.png")
-            draw_columns(found.rows, x, y, colour, drawn[-1])
+        for (x, y, colour), file in zip(wanted, drawn, strict=True):
+            draw_columns(found.rows, x, y, colour, file)
         if as_json:
             errors = [{"case": row["case"], "error": row["error"]} for row in found.rows if row.get("error")]
             print_json({"cases": len(found.rows), "run": found.run, "failed": found.failed, "seconds": found.seconds,

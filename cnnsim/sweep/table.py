@@ -7,8 +7,9 @@ from time import perf_counter
 from typing import Any
 
 from cnnsim.support import InputError
+from cnnsim.support.command_files import own_files
 from cnnsim.support.extras import install_line
-from cnnsim.support.files import make_folder, telling_nobody, writing
+from cnnsim.support.files import make_folder, writing
 from cnnsim.support.limits import one_line
 from cnnsim.sweep.kind import Row
 
@@ -56,7 +57,7 @@ class SweepTable:
         begun, rows = perf_counter(), self.sorted_rows()
         columns = {name: self._arrow.array(_column([row[name] for row in rows])) for name in (rows[0] if rows else {})}
         table = self._arrow.table(columns).replace_schema_metadata({MARK: self._digest.encode()})
-        with telling_nobody(), writing(self.file) as temporary:
+        with own_files(), writing(self.file) as temporary:
             self._parquet.write_table(table, temporary)
         self._written = perf_counter()
         self._took = self._written - begun

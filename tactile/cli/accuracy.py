@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.files import write_rows, writing
 from cnnsim.support.terminal import echo
 from tactile.cli.options import FILE, JSON
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 @click.option("--tolerance", "tolerances", type=float, multiple=True, help="Tolerance instead of 0.3 to 0.001; again.")
 @click.option("-o", "--output", type=FILE, help="File of the diagram (PNG, SVG, PDF).")
 @click.option("--csv", "table", type=FILE, help="File of the figures, one line per tolerance.")
+@replace_option
 @JSON
 def accuracy(
     scene: Path, tolerances: tuple[float, ...], output: Path | None, table: Path | None, as_json: bool
@@ -40,6 +42,7 @@ def accuracy(
     from tactile.simulator.scene_file.file import bare_scene, scene_table  # not for --help
     from tactile.simulator.tradeoff import TOLERANCES, trades  # the same
 
+    claim(output, table)
     bare, _ = bare_scene(scene_table(scene), str(scene), scene.parent)
     chosen = tolerances or TOLERANCES
     rows = list(watched(trades(bare, chosen), "tolerances", len(chosen) + 1))

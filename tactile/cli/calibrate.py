@@ -7,7 +7,8 @@ import click
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.terminal import echo
 from tactile.calibration.from_weights import NAMES, Model, calibrate_loads
 from tactile.calibration.live_tare import LiveTare
@@ -42,6 +43,7 @@ from tactile.sources import open_source
     help="Direction of the slide in the array's frame; without it the sign of the shear is assumed to be right.",
 )  # fmt: skip
 @click.option("-o", "--output", type=FILE, help="File for `tactile run --calibration`.")
+@replace_option
 @JSON
 def calibrate(
     scan: Path, speed_mm_s: float | None, load_n: float | None, weights: Path | None, fit: Model, tare: int,
@@ -55,6 +57,7 @@ def calibrate(
     taxel of strain; the taxel with the largest normal reading is used. With --weights known loads lie on it one after
     the other: anywhere on a pad that measures force, at known places on one of strain or stress.
     """
+    claim(output)
     if weights is not None:
         if speed_mm_s is not None or load_n is not None or toward is not None:
             raise click.UsageError("--weights gives the loads; leave out --speed-mm-s, --load-n and --toward")

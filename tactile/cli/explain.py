@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option
 from cnnsim.support.terminal import console, printable
 from tactile.cli.options import FILE, JSON
 
@@ -21,6 +22,7 @@ FULL = 1000
 )
 @click.argument("scene", type=FILE)
 @click.option("--write", type=FILE, help="Keep the effects chosen by effects = 'auto' in this scene file.")
+@replace_option
 @JSON
 def explain(scene: Path, write: Path | None, as_json: bool) -> None:
     """Show the size and time of each part of a scene.
@@ -29,6 +31,7 @@ def explain(scene: Path, write: Path | None, as_json: bool) -> None:
     """
     from tactile.simulator.explain import explain_file  # not for --help
 
+    claim(write)
     explanation = explain_file(scene, write)
     if as_json:
         print_json(

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from cnnsim.support.command_files import check_free
 from cnnsim.support.command_line import examples, watched
 from cnnsim.support.extras import need
-from cnnsim.support.files import check_free, check_name, write_text
+from cnnsim.support.files import check_name, write_text
 from cnnsim.support.terminal import echo
 from tactile.cli.new_texts import ARRAY, DETECTOR, SCENE
 from tactile.cli.options import FILE, LAYOUT

@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from cnnsim import backends
-from cnnsim.support.command_line import examples, print_json, watched
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.terminal import echo, say
 from tactile.calibration.live_tare import TareMode
 from tactile.cli.opened import RunChoices, gains_of, open_for_run
@@ -47,6 +48,7 @@ from tactile.wire.source import WireSource
 @click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin.")
 @click.option("--backend", type=click.Choice(backends.NAMES), help="Where the machine runs [cpu].")
 @LAYOUT
+@replace_option
 @JSON
 def run(
     source: Path, output: Path | None, parquet: bool, tare: TareMode | None, gains: str | None,
@@ -71,6 +73,10 @@ def run(
     check_thresholds(chosen)
     if calibration is not None and gains is not None:
         raise click.UsageError("--calibration has gains; leave out --gains")
+    if output is not None:
+        rows = "events" if is_folder_of_recordings(source) else "frames"
+        claim(output / f"{rows}.csv", output / f"{rows}.parquet" if parquet else None)
+        claim(*(output / name for name in ("events.json", "touch.png") if rows == "frames"))
     choices = RunChoices(PipelineOptions(**chosen), tare, gains_of(gains), calibration, layout)
     if is_folder_of_recordings(source):
         from tactile.cli.run_folder import run_folder  # imported when used

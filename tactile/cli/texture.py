@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cnnsim.support import InputError
-from cnnsim.support.command_line import examples, print_json
-from cnnsim.support.files import check_free, write_text
+from cnnsim.support.command_files import claim
+from cnnsim.support.command_line import examples, print_json, replace_option
+from cnnsim.support.files import write_text
 from cnnsim.support.terminal import echo, say_table
 from tactile.cli.options import FILE, JSON, LAYOUT, Finite
 
@@ -63,10 +64,10 @@ def texture() -> None:
 @click.option("-o", "--output", type=FILE, required=True, help="The model's file (.npz).")
 @click.option("--features", type=click.Choice(KINDS), default="full", show_default=True,
               help="The full set, or the paper's two figures.")  # fmt: skip
-@click.option("--replace", is_flag=True, help="Overwrite an existing model.")
+@replace_option
 @_shared
 def train(
-    folder: Path, output: Path, features: str, replace: bool, labels: Path | None, window: int, speed: float | None,
+    folder: Path, output: Path, features: str, labels: Path | None, window: int, speed: float | None,
     layout: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Learn the materials of slides, and write a model."""
@@ -77,7 +78,7 @@ def train(
 
     learner("neighbors")
     check_suffix(output)
-    check_free(output, replace=replace)
+    claim(output)
     slides = _slides(folder, labels, speed, layout)
     model, unknown = learn(slides, feature_set(features, window, slides))
     write_model(output, model)
@@ -143,6 +144,7 @@ def classify(
 )
 @click.argument("folder", type=FILE)
 @click.option("-o", "--output", type=FILE, help="Folder for figures.png, confusion.png and report.json.")
+@replace_option
 @_shared
 def report(
     folder: Path, output: Path | None, labels: Path | None, window: int, speed: float | None, layout: Path | None,
@@ -162,6 +164,8 @@ def report(
     from tactile.materials.windows import cut  # the same
 
     learner("neighbors")
+    names = ("figures.png", "confusion.png", "report.json")
+    claim(*(output / name for name in names) if output is not None else ())
     slides = _slides(folder, labels, speed, layout)
     found, tables = [], {}
     for kind in KINDS:
@@ -184,7 +188,6 @@ def report(
         echo(f"{facts['materials']} materials, {len(slides)} slides, {windows}")
         _print(found)
     if output is not None:
-        names = ("figures.png", "confusion.png", "report.json")
         echo(f"wrote {', '.join(str(output / name) for name in names)}", err=as_json)
 
 

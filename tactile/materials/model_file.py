@@ -28,7 +28,7 @@ def check_suffix(path: Path) -> None:
         raise InputError(f"{path}: suffix {path.suffix!r}; .npz wanted for a model")
 
 
-def write_model(path: Path, model: TextureModel, replace: bool = True) -> None:
+def write_model(path: Path, model: TextureModel, replace: bool | None = None) -> None:
     """Write a model to ``path`` (.npz).
 
     Raises:

@@ -17,6 +17,8 @@ from tactile.wire.source import Chunk, WireSource
 
 NAP = 0.1
 """[s] Longest wait before a thread checks whether to stop."""
+BEHIND = 1.0
+"""[s] Age of a chunk that is taken from the queue from which a warning is issued."""
 
 
 class Session:
@@ -24,7 +26,7 @@ class Session:
 
     ``record`` makes the ``recording`` once the port is open, given the epoch of all times. ``stopped``: the event that
     `stop` sets, if it is needed before the port is open. ``warn`` is called when within three seconds nothing comes, or
-    nothing that fits the description.
+    nothing that fits the description, and when chunks are taken more than `BEHIND` after their arrival.
 
     Flow: drain process -> recording -> ring -> iteration over ``source``. Bytes dropped by the ring are still recorded,
     as unparsed.
@@ -38,7 +40,9 @@ class Session:
         seconds: float | None = None, once: bool = False,
         stopped: threading.Event | None = None, warn: Callable[[str], None] = lambda text: None,
     ) -> None:  # fmt: skip
-        self._ready = Ring()
+        self._ready, self._warn = Ring(), warn
+        self._received = self._decoded = 0  # bytes
+        self._is_behind = False
         self._stopped = stopped or threading.Event()
         talk = description.wire.talk(description.options)
         self.reader = PortReader(port, description.baudrate, talk, self._take, self._ready.close, once)
@@ -88,7 +92,10 @@ class Session:
                 chunks = self._ready.get(0 if self.reader.poll(NAP) else NAP)
             for chunk in chunks:
                 self.check.see(chunk)
+                if chunk.data and not self._is_behind and self.now() - chunk.t > BEHIND * 1e9:
+                    self._report_behind((self.now() - chunk.t) * 1e-9)
                 yield chunk
+                self._decoded += len(chunk.data)
             self.check.look(not self.reader.why and not closing)
             if over and not chunks:
                 return
@@ -97,6 +104,16 @@ class Session:
                 self.close()  # from here the ring is only emptied
                 closing = True
 
+    def _report_behind(self, age: float) -> None:
+        self._is_behind = True
+        counts, waiting = self.counts, self._received - self._decoded
+        frames = round(waiting * counts.good / self._decoded) if self._decoded else 0
+        dropped = f", {counts.overflowed} bytes are dropped" if counts.overflowed else ""
+        self._warn(
+            f"frames are processed {age:.1f} s after their arrival: {frames} frames ({waiting} bytes) wait{dropped};"
+            " fewer programs, taxels or frames a second wanted"
+        )
+
     def _failed(self) -> bool:
         return self.recording is not None and bool(self.recording.failed)
 
@@ -104,6 +121,7 @@ class Session:
         """Record chunks, then queue them for decoding."""
         for chunk in chunks:
             room = self._ready.put(chunk)
+            self._received += len(chunk.data) * room
             if self.recording is not None:
                 self.recording.chunk(chunk, room)
         if self.recording is not None:

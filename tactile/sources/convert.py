@@ -58,7 +58,7 @@ def convert(
     copied = opened is None and suffix == source.suffix.lower() == ".mcap"
     opened, seen = opened or open_source(source), _Seen()
     refuse_existing(target, replace)
-    with writing(target) as beside:
+    with writing(target, replace=True) as beside:
         frames = seen.through(watch(opened, opened.frames))
         if copied:
             need("tactile.recording.index", "an MCAP recording").write_indexed(source, beside, others, frames)

@@ -23,6 +23,7 @@ from typing import IO, Any
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from cnnsim.support.command_files import note_read
 from cnnsim.support.extras import install_line
 from cnnsim.support.files import LONGEST_NAME
 from cnnsim.support.limits import one_line
@@ -72,6 +73,7 @@ def read_bag(path: Path) -> PillarStream:
         InputError: no such bag, one that cannot be read, or one without a sensor.
     """
     folder = path.parent if path.suffix == ".db3" else path
+    note_read(folder)
     with _bag(folder) as (about, out):
         stamps: list[list[tuple[int, int, float]]] = [[] for _ in about["topics"]]
         for _ in range(about["frames"]):

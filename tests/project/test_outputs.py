@@ -16,9 +16,9 @@ from tests.kits.paths import ROOT, SCENES
 GROUPS = {"cnnsim": "cnnsim.cli.group", "tactile": "tactile.cli.group"}
 COMMANDS = {
     "run": ["cnnsim", "run", "edge", "p.png", "--backend", "reference", "-o", "OUT.png"],
-    "program": ["cnnsim", "program", "opening", "--input", "picture=p.png", "-o", "OUT"],
+    "program": ["cnnsim", "program", "opening", "--input", "picture=p.png", "--replace", "-o", "OUT"],
     "export": ["cnnsim", "export", "edge", "--format", "json", "--replace", "-o", "OUT"],
-    "record": ["tactile", "run", "s.toml", "-o", "OUT"],
+    "record": ["tactile", "run", "s.toml", "--replace", "-o", "OUT"],
     "convert": ["tactile", "convert", "s.toml", "OUT.npz"],
     "csv": ["tactile", "convert", "s.toml", "OUT.csv"],
 }  # fmt: skip

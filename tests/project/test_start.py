@@ -73,3 +73,37 @@ def test_a_signal_that_is_ignored_stays_so() -> None:
     )
     told = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     assert told.split() == ["SIG_IGN", "SIG_IGN"]
+
+
+TERMINATED = """
+import os, signal, sys, time, types
+import click
+from cnnsim.start import start
+from cnnsim.support.command_line import CommandGroup
+from cnnsim.support.files import writing
+
+@click.group(cls=CommandGroup)
+def main(): pass
+
+@main.command()
+def write():
+    with writing("x") as temporary:
+        temporary.write_text("half")
+        os.kill(os.getpid(), int(sys.argv[2]))
+        time.sleep(9)
+
+if sys.argv[3] == "ignored":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+sys.modules["group"] = types.SimpleNamespace(main=lambda prog_name: main(sys.argv[1:2]))
+start("group")
+"""
+
+
+@pytest.mark.parametrize(("number", "way"), [(signal.SIGTERM, ""), (signal.SIGTERM, "ignored"), (signal.SIGHUP, "")])
+def test_a_terminated_command_cleans_up(number: signal.Signals, way: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", TERMINATED, "write", str(int(number)), way], cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "stopped\n")
+    assert list(tmp_path.iterdir()) == []

@@ -13,7 +13,8 @@ from cnnsim.network.boundary import boundary_value
 from cnnsim.prototyping.design.design import Design, DesignPart
 from cnnsim.prototyping.design.rule import WindowRule
 from cnnsim.support import Floats
-from cnnsim.support.files import check_free, write_text
+from cnnsim.support.command_files import check_free
+from cnnsim.support.files import write_text
 
 
 def part_names(design: Design, name: str) -> list[str]:

@@ -18,7 +18,8 @@ from cnnsim.prototyping.design.rule import WindowRule, window_text
 from cnnsim.prototyping.design.rule_files import read_pairs, read_table, rule_of_pairs
 from cnnsim.prototyping.design.verify import wrong_windows
 from cnnsim.support import InputError
-from cnnsim.support.files import check_free, write_text
+from cnnsim.support.command_files import check_free
+from cnnsim.support.files import write_text
 
 Facts = tuple[dict[str, Any], list[str]]
 

@@ -33,12 +33,12 @@ class Meter:
         return float(sum(1 for t in tuple(self._second) if t >= now - 1.0))
 
     def percentile(self, percent: float) -> float:
-        """Return the latency [s] of a percentile, to 5 %; NaN before the first frame."""
+        """Return the latency [s] of a percentile, to 5 %, at most the longest; NaN before the first frame."""
         wanted, seen = self.frames * percent / 100, 0
         for place, count in enumerate(self._bins):
             seen += count
             if count and seen >= wanted:
-                return float(SHORTEST * 10 ** (place / BINS_PER_DECADE))
+                return min(self.longest, float(SHORTEST * 10 ** (place / BINS_PER_DECADE)))
         return math.nan
 
     def plain(self, now: float) -> dict[str, Any]:

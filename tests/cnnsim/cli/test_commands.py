@@ -94,7 +94,7 @@ def test_program_opening_is_scipy_s(blobs: Path, tmp_path: Path) -> None:
 
 def test_a_program_s_parameter_can_be_set(blobs: Path, tmp_path: Path) -> None:
     for radius in (1, 2):
-        how = ("--input", f"picture={blobs}", "--set", f"radius={radius}", "-o", tmp_path)
+        how = ("--input", f"picture={blobs}", "--set", f"radius={radius}", "-o", tmp_path, "--replace")
         assert _call("program", "gray-opening", *how).exit_code == 0
         wanted = ndimage.grey_opening(read_picture(blobs), size=2 * radius + 1, mode="nearest")
         found = read_picture(next(tmp_path.glob("opened.png")))

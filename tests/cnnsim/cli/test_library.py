@@ -84,7 +84,7 @@ def test_a_new_template_runs_as_it_is(tmp_path: Path) -> None:
     made = call("new", "template", "mine", "-o", tmp_path / "lib")
     assert f"-> {tmp_path / 'lib' / 'mine.toml'}" in made.output.replace("\n  ", " ")
     for way in (("--library", tmp_path / "lib", "run", "mine"), ("run", tmp_path / "lib" / "mine.toml")):
-        assert call(*way, tmp_path / "in.png", "-o", tmp_path / "out.png").exit_code == 0
+        assert call(*way, tmp_path / "in.png", "-o", tmp_path / "out.png", "--replace").exit_code == 0
         edge = picture & ~ndimage.binary_erosion(picture, np.ones((3, 3)))
         assert np.array_equal(read_picture(tmp_path / "out.png") > 0, edge)
     entry = library.load_file(tmp_path / "lib" / "mine.toml")
@@ -101,6 +101,7 @@ def test_a_new_program_runs_as_it_is(tmp_path: Path) -> None:
             f"picture={tmp_path / 'in.png'}",
             "--set",
             f"rounds={rounds}",
+            "--replace",
             "-o",
             tmp_path / "out",
             "--json",

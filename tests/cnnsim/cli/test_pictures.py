@@ -90,7 +90,7 @@ def test_several_results_go_into_a_folder_and_older_ones_are_told(
         write_picture(np.ones((5, 6)), f"{name}.png")
     done = call("run", "threshold-zero", "a.png", "b.png", "c.png", "-o", "many")
     assert " ".join(done.stdout.split()).endswith("-> many/threshold-zero-0.png to many/threshold-zero-2.png")
-    done = call("run", "threshold-zero", "a.png", "b.png", "-o", "many")
+    done = call("run", "threshold-zero", "a.png", "b.png", "-o", "many", "--replace")
     assert " ".join(done.stdout.split()).endswith("; of an earlier run: many/threshold-zero-2.png")
     assert call("run", "threshold-zero", "a.png", "-o", "many/").exit_code == 0
     assert read_picture("many/threshold-zero.png").shape == (5, 6)

@@ -175,7 +175,7 @@ def test_a_template_runs_on_each_picture_by_itself(folder: Path) -> None:
     done = call("run", "edge", "bar", "-o", "edge.png", "--json")
     assert done.exit_code == 0, done.output
     for number in range(12):
-        call("run", "edge", f"bar/{number}.png", "-o", "alone.png")
+        call("run", "edge", f"bar/{number}.png", "-o", "alone.png", "--replace")
         assert np.array_equal(read_picture(f"edge-{number}.png"), read_picture("alone.png"))
     assert json.loads(done.stdout)["shape"] == [12, 20, 24]
     done = call("run", "edge", "bar", "-o", "edges.gif")

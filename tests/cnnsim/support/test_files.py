@@ -10,7 +10,8 @@ from click.testing import CliRunner, Result
 
 from cnnsim import InputError, write_picture
 from cnnsim.cli.group import main
-from cnnsim.support.files import Replaced, check_free, write_text, writing
+from cnnsim.support.command_files import check_free
+from cnnsim.support.files import write_text, writing
 
 
 def call(*arguments: Any) -> Result:
@@ -71,8 +72,8 @@ def test_what_cannot_be_written_is_named(folder: Path) -> None:
         write_text("in.png/x.txt", "")
 
 
-def test_python_is_told_nothing(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: Any) -> None:
-    monkeypatch.setattr(Replaced, "tell", None)
+@pytest.mark.usefixtures("folder")
+def test_python_is_told_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     write_picture(np.ones((2, 2)), "in.png")
     assert capsys.readouterr() == ("", "")
 
@@ -88,7 +89,10 @@ def test_python_is_told_nothing(folder: Path, capsys: pytest.CaptureFixture[str]
     ],
 )
 def test_every_command_says_what_it_replaces(folder: Path, command: str, files: list[str]) -> None:
-    first, second = call(*command.split()), call(*command.split())
+    first, refused, second = (call(*command.split(), *more) for more in ([], [], ["--replace"]))
+    assert refused.exit_code == 2
+    assert f"{files[-1]} " in refused.stderr
+    assert "there already; --replace would write over" in refused.stderr
     assert first.exit_code == second.exit_code == 0, second.output
     assert "replaced" not in first.stderr
     assert second.stderr.splitlines() == [f"replaced {file}" for file in files]
@@ -126,6 +130,6 @@ def test_what_is_replaced_only_when_told(folder: Path, command: str, files: list
 
 def test_json_stays_json(folder: Path) -> None:
     for _ in range(2):
-        done = call("run", "edge", "in.png", "-o", "out.png", "--json")
+        done = call("run", "edge", "in.png", "-o", "out.png", "--json", "--replace")
     assert done.stderr == "replaced out.png\n"
     assert json.loads(done.stdout)["template"] == "edge"

@@ -42,7 +42,7 @@ def invoke(*words: str | Path) -> Result:
 
 def located(folder: Path, *words: str | Path) -> Floats:
     """Return x, y, force and time (n, 4) of the INSIDE loads of ``tactile run``."""
-    done = invoke("run", folder / "grasp.toml", "-o", folder / "out", *words)
+    done = invoke("run", folder / "grasp.toml", "--replace", "-o", folder / "out", *words)
     assert done.exit_code == 0, done.output
     table: Any = np.genfromtxt(folder / "out" / "frames.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     inside = table[table["load_validity"] == "inside"]

@@ -41,6 +41,10 @@ def test_meter_percentiles_are_within_five_percent() -> None:
     for percent in (1, 50, 99):
         assert meter.percentile(percent) == pytest.approx(np.percentile(latencies, percent), rel=0.05)
     assert meter.longest == latencies.max()
+    for one in (1e-9, 1.04e-3, 2e3):
+        single = Meter()
+        single.add(one, 0.0)
+        assert single.percentile(99) <= single.longest == one
     assert meter.rate(4999 * 0.002) == pytest.approx(500, abs=2)
     assert meter.rate(100.0) == 0
 

@@ -3,6 +3,7 @@
 import errno
 import importlib
 import itertools
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -100,6 +101,21 @@ def test_frames_after_a_stall_count_as_late() -> None:
         _, session = read_all(description, emulator.port, 480)
     assert session.counts.good == 480
     assert session.counts.late >= 5
+
+
+def test_a_reader_that_falls_behind_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tactile.serial.session.BEHIND", 0.2)
+    description, stream = sent("native", 0.7)
+    warnings: list[str] = []
+    with device(stream) as emulator:
+        running = Session(emulator.port, description, seconds=10, once=True, warn=warnings.append)
+        for number, _ in enumerate(running.source):
+            time.sleep(0.4 if number == 20 else 0)
+    (text,) = warnings
+    found = re.match(r"frames are processed (0\.\d) s after their arrival: (\d+) frames \((\d+) bytes\) wait", text)
+    assert found is not None, text
+    assert 40 <= int(found[2]) <= 220  # 2 x 200 frames a second
+    assert running.counts.good == 280
 
 
 def test_ports_that_do_not_open_name_the_cause(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
