@@ -7,10 +7,10 @@ Source: the template files of github.com/H2CO3/CNNSim.
 
 from cnnsim.formats.candy.header import read_boundary
 from cnnsim.formats.candy.lines import decode
+from cnnsim.formats.numbers import number
 from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network import Template
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.numbers import number
 
 _HEADS = ("A", "B", "Z", "C", "BOUNDARY")
 

@@ -9,10 +9,10 @@ import re
 import numpy as np
 
 from cnnsim.formats.candy.lines import decode, split
+from cnnsim.formats.numbers import number
 from cnnsim.library.imported import Imported, assume_setting, library_name
 from cnnsim.network import Template
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.numbers import number
 
 LENGTH = 19
 

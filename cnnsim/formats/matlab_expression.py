@@ -10,8 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from cnnsim.formats.matlab_tokens import Token
+from cnnsim.formats.numbers import number
 from cnnsim.support import Floats, InputError
-from cnnsim.support.numbers import number
 
 _DEEPEST = 40
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.formats.numbers import written
 from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import CHUA_YANG, AnyTemplate, Argument, LayeredTemplate, Table, Template, Term
 from cnnsim.network.boundary import boundary_value
 from cnnsim.network.characteristic import cell_value
 from cnnsim.network.table import table_value
 from cnnsim.support import Floats
-from cnnsim.support.numbers import written
 from cnnsim.support.pictures.picture import to_ascii
 
 _TABLES = ("layer", "term")

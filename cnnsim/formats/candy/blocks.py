@@ -6,8 +6,8 @@ from itertools import pairwise
 
 from cnnsim.formats.candy.content import Call, FunctionLine, MatrixEntry
 from cnnsim.formats.candy.lines import Line
+from cnnsim.formats.numbers import is_number, number, whole
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.numbers import is_number, number, whole
 
 _CALL = re.compile(r"([A-Za-z]+)([-0]?)")
 _ARGUMENT = re.compile(r"([xyu]\d?-[xyu]\d?)\s*#\s*([xyu]\d?-[xyu]\d?)?", re.I)

@@ -4,11 +4,11 @@ import re
 from dataclasses import dataclass, replace
 
 from cnnsim.formats.candy.content import TemFile
+from cnnsim.formats.numbers import is_number, number
 from cnnsim.library.entry import Role
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, fixed
 from cnnsim.planning.step import Duration
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.numbers import is_number, number
 
 _PART = re.compile(r"\s*([A-Za-z]\w*)\s*[:=]\s*([^,(]*(?:\([^)]*\))?[^,]*)(?:,|$)")
 _CALLED = re.compile(r"([A-Za-z][A-Za-z -]*?)\s*(?:\(\s*(\S+?)\s*\))?", re.I)

@@ -17,8 +17,8 @@ from cnnsim.formats.candy.blocks import Cursor, is_function, read_argument, read
 from cnnsim.formats.candy.content import Block, Operation, Section, TemFile
 from cnnsim.formats.candy.layers import LayerBuilder, SectionBuilder
 from cnnsim.formats.candy.lines import Line, decode, scan
+from cnnsim.formats.numbers import number, whole
 from cnnsim.support import Diagnostics, InputError
-from cnnsim.support.numbers import number, whole
 
 _LAYER = re.compile(r"(\d{1,6})(?!\d)(.*)", re.S | re.ASCII)  # free words may follow: LAYER 1 - photoreceptor
 _FROM = re.compile(r"FROM\s*:?\s*(?:LAYER\s*)?(\S+?)\s*:?(?:\s+(.*))?", re.I | re.S)

@@ -2,10 +2,10 @@
 
 from cnnsim.formats.candy.content import Block, Call, FunctionLine, Header, Layer, MatrixEntry, Section, TemFile
 from cnnsim.formats.candy.from_terms import template_section
+from cnnsim.formats.numbers import written
 from cnnsim.library.entry import LibraryEntry, Role
 from cnnsim.network import Boundary, Cell
 from cnnsim.support import InputError
-from cnnsim.support.numbers import written
 
 _BOUNDARIES = {"zero-flux": "Zero-flux", "periodic": "Periodic"}
 
