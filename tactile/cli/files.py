@@ -94,8 +94,6 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
     epilog=examples(
         "tactile convert hand.mcap hand.csv", "tactile convert grasp.npz grasp.mcap",
         "tactile convert examples/scenes/grip.toml grip.npz", "tactile convert glove.csv g.mcap --layout glove.toml",
-        "tactile convert examples/grasp.npz tared.csv --tared",
-        "tactile convert examples/grasp.npz drawn.mcap --drawable",
         "tactile convert examples/grasp.npz --ros2 grasp-bag",
         "tactile convert examples/grasp.npz --lerobot learning-set --fps 30",
     )

@@ -2,6 +2,8 @@
 
 import re
 import shlex
+import socket
+import threading
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,9 @@ from PIL import Image
 from cnnsim import write_picture
 from cnnsim.cli.group import main as cnnsim
 from tactile.cli.group import main as tactile
+from tactile.output.event_data import EventData
+from tactile.output.publish import Publisher
+from tactile.output.stream_frame import frame_data
 from tests.kits.paths import ROOT, SCENES
 
 PAGES = [
@@ -113,6 +118,48 @@ def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.Monke
     assert (tmp_path / "edge.png").is_file()
     assert names["warm"].t == 5.0
     assert names["events"][-1].words == "release"
+
+
+def test_the_python_of_the_page_on_control_loops_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    names: dict[str, Any] = {}
+    for block in _blocks(ROOT / "docs" / "python-and-control-loops.md", "python"):
+        exec(compile(block, "python-and-control-loops.md", "exec"), names)
+    assert [finger for _, finger, _ in names["commands"]] == ["left", "right"]  # both slip once
+    assert capsys.readouterr().out.splitlines()[-1] == "2"
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    got: list[Any] = []
+    reader = threading.Thread(target=lambda: got.append(next(names["datagrams"](port))), daemon=True)
+    reader.start()
+    frame, sender = names["frame"], Publisher(f"udp://:{port}", ())
+    for _ in range(100):
+        sender(frame, frame_data(frame, EventData(())))
+        reader.join(0.02)
+        if got:
+            break
+    sender.close()
+    assert (got[0]["finger"], got[0]["sequence"]) == (frame.finger, frame.sequence)
+
+
+def test_the_python_of_the_page_on_exports_reads_a_learning_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("pyarrow", reason="needs pyarrow")
+    monkeypatch.chdir(tmp_path)
+    recording = ROOT / "examples" / "grasp.npz"
+    done = CliRunner().invoke(tactile, ["convert", str(recording), "--lerobot", "learning-set"])
+    assert done.exit_code == 0, done.output
+    (block,) = _blocks(ROOT / "docs" / "export.md", "python")
+    names: dict[str, Any] = {}
+    exec(compile(block, "export.md", "exec"), names)
+    assert names["taxels"].shape == (180, 4, 3)
+    assert abs(names["unix_s"][names["slips"]][0] - 3.0) < 0.1
+    assert "first slip at" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("line", _commands())

@@ -1,6 +1,7 @@
 """Firmware: the C header, the sketch and the CircuitPython file send what the native decoder reads, to the bit."""
 
 import os
+import re
 import shutil
 import subprocess
 import tty
@@ -56,7 +57,7 @@ struct { void begin(uint32_t) {} void write(uint8_t byte) { putchar(byte); }
          void write(const uint8_t *data, size_t size) { fwrite(data, 1, size, stdout); }
          operator bool() { return true; } } Serial;
 #include "board.ino"
-int main() { setup(); for (int n = 0; n < 4 * 700; n++) loop(); }
+int main() { setup(); for (int n = 0; n < 4 * 240; n++) loop(); }
 """
 
 
@@ -134,8 +135,36 @@ def test_the_sketch_for_an_array_file_gives_events_before_it_is_filled_in(tmp_pa
     program = compiled(tmp_path, "c++", ARDUINO, "-std=c++11", f"-I{tmp_path / 'board'}")
     data = subprocess.run([program], capture_output=True, check=True).stdout
     found = events_of(read_description(FIRMWARE / "array.toml"), data)
-    assert [finger for kind, finger in found if kind == "contact"] == ["finger", "palm"] * 2
-    assert [finger for kind, finger in found if kind == "release"] == ["finger", "palm"] * 2
+    assert [finger for kind, finger in found if kind == "contact"] == ["finger", "palm"]
+    assert [finger for kind, finger in found if kind == "release"] == ["finger", "palm"]
+
+
+ANALOG = """
+static const int A0 = 14;
+static uint8_t pins[16];
+static void digitalWrite(int pin, int level) { pins[pin] = (uint8_t)level; }
+static int analogRead(int pin) {
+  int row = pins[2] + 2 * pins[3] + 4 * pins[4], col = pins[5] + 2 * pins[6] + 4 * pins[7];
+  return 100 * row + 10 * col + (pin - A0);
+}
+"""
+
+
+def test_the_code_of_the_page_reads_each_taxel_of_an_array(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "connect-a-board.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```cpp\n(.*?)```", text, re.DOTALL)
+    for name, content in firmware(read_description(FIRMWARE / "array.toml"), "board").items():
+        made = re.sub(r"void read_taxels\(.*?\n}\n", lambda _: block, content, flags=re.DOTALL)
+        assert name != "board.ino" or made != content
+        (tmp_path / name).write_text(made)
+    program = compiled(tmp_path, "c++", ARDUINO.replace("#include \"board.ino\"", ANALOG + "#include \"board.ino\""),
+                       "-std=c++11", f"-I{tmp_path}")  # fmt: skip
+    data = subprocess.run([program], capture_output=True, check=True).stdout
+    decoder = find_format("native").decoder(Options(((2, 2), (8, 8))))
+    for reading in decoder.feed(data)[:4]:
+        side = (2, 8)[reading.device or 0]
+        row, col, axis = np.meshgrid(np.arange(side), np.arange(side), np.arange(3), indexing="ij")
+        assert np.array_equal(reading.values, (100 * row + 10 * col + axis).reshape(-1, 3))
 
 
 OWN = """
