@@ -1,6 +1,5 @@
 """The command `studio`: a page in the browser where a template runs on a picture, and can be changed as it runs."""
 
-import webbrowser
 from pathlib import Path
 
 import click
@@ -27,6 +26,8 @@ def studio(template: str, picture: Path | None, binary: bool, port: int, host: s
     TEMPLATE of the library runs on PICTURE, or on one that you draw. Weights, boundary, cell and scheme can be changed
     as it runs. Ctrl-C ends it.
     """
+    import webbrowser  # it brings modules that no other command needs
+
     from cnnsim.support.extras import need
 
     for module in ("starlette", "uvicorn", "websockets"):

@@ -89,7 +89,7 @@ def _precision(session: "Session", message: Message) -> Message:
         session.precision = _reference(setup)
     given, exact, how = session.precision
     scheme, step = SETTINGS[number]
-    row = measured(given, exact, ("cpu", "float64", scheme, step), rounds=1)
+    row = measured(given, exact, ("cpu", "float64", scheme, step), rounds=2)
     found = None if row is None else {"error": row.error, "seconds": row.seconds, "evaluations": row.evaluations,
                                       "signs": row.signs}  # fmt: skip
     content = {"is": "precision", "number": number, "of": len(SETTINGS), "scheme": scheme, "step": step, "row": found,

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -69,6 +70,19 @@ class Model(Protocol):
 
     def receive(self, message: Message) -> Message:
         """Return the reply to a message."""
+
+
+def reply_to(model: Model, message: Message) -> Message:
+    """Return the reply of a model; an error is a reply as well, with its ``text``."""
+    try:
+        return model.receive(message)
+    except InputError as error:
+        text = str(error)
+    except Exception as error:  # a fault of ours must not end the page's work
+        text = f"a fault of the studio: {type(error).__name__}: {error}"
+        print(text, file=sys.stderr)
+    said = {key: value for key, value in message.content.items() if key in ("do", "id")}
+    return Message({"is": "error", "text": text, **said})
 
 
 def pack(message: Message) -> str | bytes:

@@ -6,7 +6,6 @@ reply to the last one is sent, so a page that does not read costs no memory.
 
 import ipaddress
 import secrets
-import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -21,7 +20,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from cnnsim.studio.message import MOST_BYTES, Model, pack, unpack
+from cnnsim.studio.message import MOST_BYTES, Model, pack, reply_to, unpack
 from cnnsim.studio.message import Message as PageMessage
 from cnnsim.support import InputError
 
@@ -171,19 +170,11 @@ async def _talk(socket: WebSocket, make_model: Callable[[], Model], worker: Thre
 
 
 def _answer(model: Model, data: str | bytes) -> str | bytes:
-    """Return the packed reply to a message; an error is a reply as well, and the connection stays."""
-    content: dict[str, Any] = {}
     try:
         message = unpack(data)
-        content = message.content
-        return pack(model.receive(message))
     except InputError as error:
-        text = str(error)
-    except Exception as error:  # a fault of ours must not end the page's work
-        print(f"studio: {type(error).__name__}: {error}", file=sys.stderr)
-        text = f"a fault of the studio: {type(error).__name__}: {error}"
-    said = {key: value for key, value in content.items() if key in ("do", "id")}
-    return pack(PageMessage({"is": "error", "text": text, **said}))
+        return pack(PageMessage({"is": "error", "text": str(error)}))
+    return pack(reply_to(model, message))
 
 
 def make_server(make_model: Callable[[], Model], page: Path, host: str, port: int) -> tuple["Server", Any, str]:

@@ -84,7 +84,7 @@ view.framed = (content) => {
   if (now - since < 500) return;
   find("rate").textContent = view.playing ? `${((frames * 1000) / (now - since)).toFixed(0)} pictures/s` : "";
   if (seconds > 0) find("speed").textContent = `${(cells / seconds / 1e6).toFixed(0)} million cell-steps/s`;
-  find("steps").textContent = `h = ${Number(view.session.h.toPrecision(4))}, ${Math.max(1, Number(view.speed.value))} steps a picture`;
+  find("steps").textContent = `h = ${Number(view.session.h.toPrecision(4))}, ${view.speed.selectedOptions[0].text.replace("slow", "1 step")} a picture`;
   [frames, since, cells, seconds] = [0, now, 0, 0];
   if (!find("panel-cell").hidden) cell.refresh();
 };
@@ -103,7 +103,7 @@ chosen.onchange = () => chosen.value && fresh({ name: chosen.value });
 view.extra.append(chosen, h("button", { name: "again", title: "another one of these", onclick: () => {
   seed++;
   fresh({ name: chosen.value || view.session.made?.[0] || "curves" });
-} }, "another"), size, h("button", { name: "noise", title: "add noise of 0.3", onclick: () => {
+} }, "new"), size, h("button", { name: "noise", title: "add noise of 0.3", onclick: () => {
   seed++;
   fresh({ noise: 0.3 });
 } }, "noise"), h("button", { name: "clear", onclick: () => fresh({ name: "white" }) }, "clear"));

@@ -4,18 +4,19 @@ import { h } from "./view.js";
 
 /** @typedef {import("./view.js").Content} Content */
 const uPlot = /** @type {any} */ (globalThis).uPlot;
-const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
+const COLOURS = { light: ["#0072b2", "#d55e00", "#009e73", "#cc79a7"], dark: ["#56b4e9", "#e69f00", "#2fbf98", "#e29cc3"] };
 
 /** A line plot that follows the theme. @param {HTMLElement} host @param {string[]} names @param {any[]} data @param {Content} more */
 export function plot(host, names, data, more = {}) {
   const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue("--ink"), line = style.getPropertyValue("--line");
   const axis = (/** @type {Content} */ own) => ({ stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "11px system-ui", ...own });
   const { axes = [{}, {}], series = [], height = 150, ...rest } = more;
+  const colours = COLOURS[matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"];
   host.replaceChildren();
   return new uPlot({
     width: Math.max(200, host.clientWidth), height, cursor: { show: false }, legend: { show: names.length > 2, live: false },
     scales: { x: { time: false } }, axes: [axis({ size: 34, ...axes[0] }), axis({ size: 42, ...axes[1] })],
-    series: names.map((label, i) => (i ? { label, stroke: COLOURS[(i - 1) % 4], width: 2, points: { show: false }, ...series[i - 1] } : { label })), ...rest,
+    series: names.map((label, i) => (i ? { label, stroke: colours[(i - 1) % 4], width: 2, points: { show: false }, ...series[i - 1] } : { label })), ...rest,
   }, data, host);
 }
 

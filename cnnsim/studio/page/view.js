@@ -227,7 +227,7 @@ export class View {
       h("div", { class: "cw-panes" },
         h("section", { class: "cw-pane" }, h("div", { class: "cw-head" }, this.tabs.input, this.tabs.start, this.frames, this.note), this.left.box),
         h("section", { class: "cw-pane" }, h("div", { class: "cw-head" }, this.tabs.x, this.tabs.y, this.layers,
-          h("span", { class: "cw-note" }, "click a cell; drag to paint")), this.right.box)),
+          h("span", { class: "cw-note", title: "click a cell to see what it does; drag to paint the present state" }, "click a cell; drag to paint")), this.right.box)),
       h("div", { class: "cw-row" }, this.ink, h("label", { class: "cw-label" }, "width ", this.brush), this.extra),
       h("div", { class: "cw-row" }, button("restart", "to the start (Home)", "|◀", () => this.restart()),
         button("previous", "a step back (,)", "◀", () => this.go({ to: Math.max(this.first, this.index - 1) })), this.playButton,
@@ -516,6 +516,7 @@ export class View {
 export default {
   /** @param {{model: Model, el: HTMLElement}} host */
   render({ model, el }) {
+    el.style.height = "520px";
     const link = new Link(model), view = new View(link, el);
     link.failed = (text) => view.say(text, true);
     link.ask({ do: "open" }).then(() => view.play()).catch(() => {});
