@@ -12,7 +12,11 @@ from cnnsim.support.terminal import echo
 _PACKAGE = Path(__file__).parents[1]
 _CHECKOUT = _PACKAGE.parent
 FOLDERS = ("examples", "docs")
-PAGES = ("README.md", "CONVENTIONS.md", "templates/README.md", "tactile/CONNECT.md")
+PAGES = (
+    "README.md", "CONVENTIONS.md", "CONTRIBUTING.md", "CHANGELOG.md", "templates/README.md", "tactile/CONNECT.md",
+    "templates/programs/event-code.toml",
+)  # fmt: skip
+"""The README and the files to which it links."""
 _SKIPPED = {"__pycache__"}
 
 
@@ -30,7 +34,12 @@ def sources() -> dict[str, Path]:
     return {path.relative_to(root).as_posix(): path for path in (*found, *(root / page for page in PAGES))}
 
 
-@click.command("examples", epilog=calls("cnnsim examples my-examples", "cnnsim examples my-examples --replace"))
+def examples_command(program: str) -> click.Command:
+    """Return the command `examples` of a ``program``."""
+    epilog = calls(f"{program} examples my-examples", f"{program} examples my-examples --replace")
+    return click.command("examples", epilog=epilog)(write_examples)
+
+
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--replace", is_flag=True, help="Write over files that are there already.")
 def write_examples(folder: Path, replace: bool) -> None:

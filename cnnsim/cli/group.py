@@ -8,7 +8,7 @@ from cnnsim import library
 from cnnsim.cli.accuracy import accuracy
 from cnnsim.cli.design import design
 from cnnsim.cli.devices import devices
-from cnnsim.cli.examples import write_examples
+from cnnsim.cli.examples import examples_command
 from cnnsim.cli.explain import explain
 from cnnsim.cli.formats import export, import_
 from cnnsim.cli.library import list_
@@ -51,6 +51,6 @@ for command in (
     import_,
     export,
     devices,
-    write_examples,
+    examples_command("cnnsim"),
 ):
     main.add_command(command)

@@ -164,12 +164,17 @@ def planned(path: Path, *, film: bool, name: str, count: int | None) -> list[Pat
 
 
 def arrow(paths: Sequence[Any]) -> str:
-    """Return " -> PATH", or " -> FIRST to LAST", the end of the lines that commands print.
+    """Return " -> PATH", or " -> FIRST to LAST" of numbered files, and other files after commas.
+
+    It is the end of the lines that commands print.
 
     Files with higher numbers are of an earlier run, and are listed.
     """
     if not paths:
         return ""
+    stems = {str(path).rpartition("-")[0] for path in paths}
+    if len(stems) > 1 or "" in stems:  # not all are numbered files of one name
+        return " -> " + ", ".join(map(str, paths))
     old = _numbered_beyond(Path(paths[-1])) if len(paths) > 1 else []
     stale = f"; of an earlier run: {old[0]}" + (f" to {old[-1]}" if len(old) > 1 else "") if old else ""
     return f" -> {paths[0]}" + (f" to {paths[-1]}" if len(paths) > 1 else "") + stale

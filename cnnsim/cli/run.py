@@ -146,12 +146,13 @@ def run(
             write_planes(error.result.y, output, film=film, name=name)
         raise
     written: list[Path] = [] if output is None else write_planes(result.y, output, film=film, name=name)
+    films = ""
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0
         over_time = run_over_time(entry.network, **task, until=max(end, 1.0), frames=60, backend=where)
         times, frames = zip(*watched(over_time, "film", 61), strict=True)
         write_film(frames, trajectory, times=times)
-        written = [*written, trajectory]
+        films = f", {trajectory}" if written else arrow([trajectory])
     black = int((result.y > 0).sum())
     size = " x ".join(str(n) for n in result.y.shape)
     if as_json:
@@ -164,7 +165,7 @@ def run(
             "at rest" if not np.isfinite(result.t) else f"t = {result.t:g}" + (", settled" if result.settled else "")
         )
         known = "" if np.isnan(result.error) else f", error {result.error:.2g}"
-        say(f"{name}: {size} cells, {ended}{known}, {black} black" + arrow(written))
+        say(f"{name}: {size} cells, {ended}{known}, {black} black" + arrow(written) + films)
         if result.how and not np.isnan(result.error):
             say(f"  {result.how}")
         if len(result.undecided):

@@ -50,11 +50,14 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
         from cnnsim.sweep.spec import read_sweep
 
         wanted = [parse_plot(text) for text in plots]
-        drawn = [output / f"{y}-over-{x}{f'-by-{colour}' if colour else ''}.png" for x, y, colour in wanted]
-        claim(*drawn)
-        found = run_sweep(read_sweep(spec, kinds), output, engine=engine, workers=workers)
-        for (x, y, colour), file in zip(wanted, drawn, strict=True):
-            draw_columns(found.rows, x, y, colour, file)
+        files = [output / f"{y}-over-{x}{f'-by-{colour}' if colour else ''}.png" for x, y, colour in wanted]
+        claim(*files)
+        study = read_sweep(spec, kinds)
+        found = run_sweep(study, output, engine=engine, workers=workers)
+        drawn, several = {}, [key for key, values in study.grid.items() if len(values) > 1]
+        for (x, y, colour), path in zip(wanted, files, strict=True):
+            drawn[path] = [key for key in several if key not in (x, y, colour)]
+            draw_columns(found.rows, x, y, colour, path, drawn[path])
         if as_json:
             errors = [{"case": row["case"], "error": row["error"]} for row in found.rows if row.get("error")]
             print_json({"cases": len(found.rows), "run": found.run, "failed": found.failed, "seconds": found.seconds,
@@ -65,7 +68,7 @@ def sweep_command(kinds: Mapping[str, str], program: str, file: str, plot: str) 
         if found.run:
             text += f", {found.seconds:.3g} s"
         say(f"{text} -> {found.file}")
-        for path in drawn:
-            echo(f"-> {path}")
+        for path, keys in drawn.items():
+            echo(f"-> {path}" + (f" (lines are means over {', '.join(keys)})" if keys else ""))
 
     return sweep

@@ -25,8 +25,10 @@ def parse_plot(text: str) -> tuple[str, str, str | None]:
     return names[0], names[1], names[2] if len(names) == 3 else None
 
 
-def draw_columns(rows: Sequence[Row], x: str, y: str, colour: str | None, path: Path) -> None:
+def draw_columns(rows: Sequence[Row], x: str, y: str, colour: str | None, path: Path, keys: Sequence[str] = ()) -> None:
     """Draw column ``y`` against ``x``: a dot for each case, a line through the means of equal x; without failed cases.
+
+    The title names the ``keys`` over whose values a mean is.
 
     Raises:
         InputError: no such column, or one without a value; a colour with more than `MOST_COLOURS` values.
@@ -56,7 +58,7 @@ def draw_columns(rows: Sequence[Row], x: str, y: str, colour: str | None, path: 
             places = sorted(of_x)
             means = [sum(of_x[at]) / len(of_x[at]) for at in places]
             axes.plot(places, means, "-o", color=tint, markersize=3, label=None if colour is None else str(value))
-    axes.set(xlabel=x, ylabel=y)
+    axes.set(xlabel=x, ylabel=y, title=f"mean over {', '.join(keys)}" if keys else "")
     axes.grid(alpha=0.3)
     if colour is not None:
         axes.legend(title=colour, fontsize=8)

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from cnnsim.cli.examples import write_examples
+from cnnsim.cli.examples import examples_command
 from cnnsim.support.command_line import CommandGroup
 from cnnsim.support.terminal import echo
 from cnnsim.sweep.command import sweep_command
@@ -42,6 +42,6 @@ def main() -> None:
 
 for command in (
     run, score, sweep_command(SWEEPS, "tactile", "grips.toml", "seed,frames"), texture, planes, codes, new, calibrate,
-    explain, accuracy, ports, emulate, record, replay, convert, layout, live, write_examples,
+    explain, accuracy, ports, emulate, record, replay, convert, layout, live, examples_command("tactile"),
 ):  # fmt: skip
     main.add_command(command)

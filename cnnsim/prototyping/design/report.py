@@ -1,6 +1,7 @@
 """Design a template, write it, check it and report: facts as JSON and lines of text."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace as replace_fields
 from pathlib import Path
 from typing import Any
 
@@ -111,12 +112,14 @@ def fitted(
 ) -> Facts:  # fmt: skip
     """Fit a coupled template to pairs of pictures, write it with the pairs as its examples, and report.
 
+    A template that leaves cells wrong is written as NAME-attempt, without examples.
+
     Raises:
         InputError: pictures that cannot be read, a state that is neither "picture" nor a number from -1 to 1, a file
             that is there and not to be replaced, or no template that gives the pairs.
     """
-    path = folder / f"{name}.toml"
-    check_free(path, replace=replace)  # before the minutes that the search takes
+    path, attempt = folder / f"{name}.toml", folder / f"{name}-attempt.toml"
+    check_free(path, attempt, replace=replace)  # before the minutes that the search takes
     pairs = read_pairs(texts)
     state = _state(options["state"])
     bar = iter(track(range(options["generations"] + 1)))
@@ -125,19 +128,24 @@ def fitted(
         pairs, boundary, name=name, symmetry=options["symmetry"], initial_state=state, seed=options["seed"],
         generations=options["generations"], report=lambda *_: next(bar, None),
     )  # fmt: skip
+    note = "What it does to other pictures is not known."
+    entry = LibraryEntry(
+        name, f"Fitted to {len(pairs)} pair{'s' * (len(pairs) != 1)} of pictures, which are its examples.",
+        f"Fitted by differential evolution, seed {options['seed']}", found.template, initial_state=state,
+        boundary=boundary, tags=("fitted", "uncoupled" if found.template.uncoupled else "coupled", "binary"), note=note,
+        examples=tuple(Example(u, None, y) for u, y in pairs),
+    )  # fmt: skip
     if found.wrong:
+        wrong = f"Fitted to pictures; {found.wrong} of {found.cells} cells are wrong."
+        kept = replace_fields(entry, name=attempt.stem, summary=wrong, examples=())
+        write_text(attempt, template_text(kept), replace=replace, follow=False)
         raise InputError(
             f"no template found that gives the pairs: the best leaves {found.wrong} of {found.cells} cells wrong after "
-            f"{found.runs} runs; try more --generations, another --seed, --symmetry none, or another --state"
+            f"{found.runs} runs and is kept as {attempt}; try more --generations, another --seed, --symmetry none, or "
+            "another --state"
         )
     t = found.template
-    text = template_text(LibraryEntry(
-        name, f"Fitted to {len(pairs)} pair{'s' * (len(pairs) != 1)} of pictures, which are its examples.",
-        f"Fitted by differential evolution, seed {options['seed']}", t, initial_state=state, boundary=boundary,
-        tags=("fitted", "uncoupled" if t.uncoupled else "coupled", "binary"),
-        note="What it does to other pictures is not known.", examples=tuple(Example(u, None, y) for u, y in pairs),
-    ))  # fmt: skip
-    write_text(path, text, replace=replace, follow=False)
+    write_text(path, template_text(entry), replace=replace, follow=False)
     for example in (entry := library.load_file(path)).examples:
         assert example.holds(library.run_example(entry, example, limit=500.0).y)
     facts = {"name": name, "A": t.A.tolist(), "B": t.B.tolist(), "z": t.z, "initial_state": state, "wrong": 0,

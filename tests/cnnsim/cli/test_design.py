@@ -59,6 +59,22 @@ def test_the_command_on_pairs_of_pictures(tmp_path: Path) -> None:
     assert library.load_file(tmp_path / "filled.toml").initial_state == 1
 
 
+def test_the_best_template_of_a_search_that_fails_is_kept(tmp_path: Path) -> None:
+    drawn = np.random.default_rng(0).random((2, 8, 9)) < 0.5
+    for name, picture in zip(("in", "out"), drawn, strict=True):
+        write_picture(plane(picture), tmp_path / f"{name}.png")
+    pair = f"{tmp_path / 'in.png'}={tmp_path / 'out.png'}"
+    call = ["--pair", pair, "--coupled", "--generations", "1", "--name", "learned", "-o", str(tmp_path)]
+    error = run(*call).exception
+    assert isinstance(error, InputError)
+    assert f"is kept as {tmp_path / 'learned-attempt.toml'}; try more" in str(error)
+    kept = library.load_file(tmp_path / "learned-attempt.toml")
+    wrong = int((kept.summary.split(";")[1]).split()[0])
+    y = library.run(kept, plane(drawn[0]), limit=60.0).y
+    assert (y * plane(drawn[1]) <= 0).sum() == wrong > 0
+    assert "is there already" in str(run(*call).exception)
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

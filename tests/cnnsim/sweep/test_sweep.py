@@ -105,6 +105,8 @@ def test_any_column_is_drawn_against_any_other(tmp_path: Path) -> None:
     rows = [{"case": k, "a": k % 3, "b": k, "c": "xy"[k % 2], "error": None} for k in range(9)]
     draw_columns(rows, *parse_plot("a,b,c"), tmp_path / "p.png")
     assert (tmp_path / "p.png").stat().st_size > 5000
+    draw_columns(rows, "a", "b", None, tmp_path / "p.svg", ["c", "seed"])
+    assert "mean over c, seed" in (tmp_path / "p.svg").read_text("utf-8")
     with pytest.raises(InputError, match="no column 'd' in the table; case, a, b, c, error are there"):
         draw_columns(rows, "a", "d", None, tmp_path / "q.png")
 
