@@ -1,6 +1,7 @@
 """The dictionary of codes on known motions, the reduction of larger arrays, and `tactile codes`."""
 
 import json
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -39,15 +40,20 @@ def test_two_by_two_keeps_its_code_and_larger_arrays_vote() -> None:
 
 def test_the_dictionary_has_every_code_and_opposite_words_for_opposite_signs() -> None:
     assert sorted(dict(entries())) == list(range(1 << 16))
-    swapped = str.maketrans("+-", "-+")
+    swapped, looked_at = str.maketrans("+-", "-+"), Counter[str]()
     for number in range(256):
         mirrored = finger_word(number ^ 0xFF)  # every sign inverted
         here = finger_word(number)
+        looked_at[here.split()[0]] += 1
         if here.startswith("pull"):
             assert mirrored == here.translate(swapped)
         pairs = {"spread": "pinch", "twist clockwise": "twist anticlockwise", "about a point": "about a point"}
         if here in pairs:
             assert mirrored == pairs[here]
+    assert looked_at["pull"] >= 4
+    assert looked_at["spread"] == looked_at["pinch"] >= 1
+    assert looked_at["twist"] >= 2
+    assert looked_at["about"] >= 1
     assert word(0xFF << 8 | 0xFF) == "both pull +x +y"
 
 

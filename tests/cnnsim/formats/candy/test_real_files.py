@@ -1,5 +1,6 @@
 """Real .tem files where they are at hand, and rubbish."""
 
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -29,26 +30,41 @@ rubbish = st.one_of(
 )  # fmt: skip
 
 
+LOOKED_AT: Counter[str] = Counter()
+"""How many generated texts gave a template that was written, and a file that was read again."""
+
+
 @given(rubbish)
 @example(b"X_A = [" + b"(" * 5000)
 @example(b"X_A = " + b"-" * 5000 + b"1")
 @example(b"a 1 999999 " + b"1 " * 5000)
 @example(b"%Setting: " + b" " * 3000 + b"x")
+@example(HOLE.encode())
 def test_rubbish_gives_diagnostics_and_nothing_else(data: bytes) -> None:
     for read in READERS.values():
         report = Diagnostics("x")
         for imported in read(data, "x", report):
             if not imported.missing:
-                imported.text()
+                LOOKED_AT["written"] += 1
+                assert "name = " in imported.text()
         report.lines(notes=True)
 
 
 @given(st.text(max_size=300))
+@example("")
 def test_what_was_read_from_any_text_is_written_and_read_the_same(text: str) -> None:
     report = Diagnostics("x")
     tem = read_tem((HOLE + text.replace("\x1a", "")).encode("utf-8", "replace"), report)
     if not report.failed:
+        LOOKED_AT["read again"] += 1
         assert read_tem(write_tem(tem).encode(), Diagnostics("x")).sections == tem.sections
+
+
+def test_some_generated_texts_were_templates() -> None:
+    test_rubbish_gives_diagnostics_and_nothing_else()
+    test_what_was_read_from_any_text_is_written_and_read_the_same()
+    assert LOOKED_AT["written"] >= 1
+    assert LOOKED_AT["read again"] >= 2
 
 
 REAL = DATA / "tem"
