@@ -173,7 +173,7 @@ def _cluster(address: str, count: int | None) -> Iterator[Workers]:
     with _silent("distributed", "distributed.client", "tornado", "asyncio"):
         try:
             client = distributed.Client(address, timeout=TIMEOUT)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, TypeError, RuntimeError) as error:  # TLS without certificates: a TypeError
             raise InputError(f"no scheduler answers at {address}: {error}") from error
         with client:
             try:

@@ -2,16 +2,20 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import cnnsim
+from cnnsim.support import InputError
+from cnnsim.workers import open_workers
 from tests.kits.paths import ROOT
 
 PICTURE = np.where(np.random.default_rng(3).random((300, 300)) < 0.6, 1.0, -1.0)
@@ -33,10 +37,10 @@ CALL = [
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
-def start(folder: Path, *more: str) -> subprocess.Popen[str]:
+def start(folder: Path, *more: str, environment: Mapping[str, str] = ENVIRONMENT) -> subprocess.Popen[str]:
     np.save(folder / "p.npy", PICTURE.astype(np.float32))
     return subprocess.Popen(
-        [sys.executable, *CALL, "--store", "store", *more], cwd=folder, env=ENVIRONMENT, text=True,
+        [sys.executable, *CALL, "--store", "store", *more], cwd=folder, env=environment, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
 
@@ -123,13 +127,40 @@ def test_a_program_survives_a_killed_worker_and_resumes_when_all_are_killed(tmp_
         assert np.array_equal(shown, value)
 
 
-def test_a_dask_cluster_loses_a_worker_and_then_its_scheduler(tmp_path: Path) -> None:
+def certificate(folder: Path) -> dict[str, str]:
+    """Make a key and a certificate that signs itself; return the settings of Dask that name them."""
+    key, signed = folder / "key.pem", folder / "cert.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "1",
+         "-subj", "/CN=cnnsim", "-keyout", str(key), "-out", str(signed)], check=True, capture_output=True,
+    )  # fmt: skip
+    tls = "DASK_DISTRIBUTED__COMM__TLS__"
+    of_a_role = {f"{tls}{role}__{kind}": str(path) for role in ("CLIENT", "SCHEDULER", "WORKER")
+                 for kind, path in (("CERT", signed), ("KEY", key))}  # fmt: skip
+    return {f"{tls}CA_FILE": str(signed), "DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION": "True", **of_a_role}
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the certificate of the cluster")
+def test_a_dask_cluster_refuses_strangers_loses_a_worker_and_then_its_scheduler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("distributed")
+    known = {**ENVIRONMENT, **certificate(tmp_path)}
     file = tmp_path / "scheduler.json"
     dask = [sys.executable, "-m", "dask"]
-    quiet = {"env": ENVIRONMENT, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": tmp_path}
+    quiet = {"env": known, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": tmp_path}
     head = subprocess.Popen(
-        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)],
+        [
+            *dask,
+            "scheduler",
+            "--host",
+            "tls://127.0.0.1",
+            "--port",
+            "0",
+            "--no-dashboard",
+            "--scheduler-file",
+            str(file),
+        ],
         **quiet,  # type: ignore[call-overload]  # as above
     )
     worker = [*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--no-dashboard"]
@@ -140,7 +171,12 @@ def test_a_dask_cluster_loses_a_worker_and_then_its_scheduler(tmp_path: Path) ->
             assert time.monotonic() < until
             time.sleep(0.1)
         address = json.loads(file.read_text())["address"]
-        run = start(tmp_path, "--engine", f"dask={address}")
+        assert address.startswith("tls://")
+        monkeypatch.setattr("cnnsim.workers.TIMEOUT", 2.0)
+        for stranger in (address, address.replace("tls", "tcp")):  # without a certificate
+            with pytest.raises(InputError, match="no scheduler answers"), open_workers(f"dask={stranger}"):
+                pass
+        run = start(tmp_path, "--engine", f"dask={address}", environment=known)
         wait_for_superstep(tmp_path, run, 1)
         crew[0].kill()
         wait_for_superstep(tmp_path, run, 3)
