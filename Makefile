@@ -1,5 +1,5 @@
 # Everything happens in an environment of its own. constraints.txt has the versions; of those `make lock` makes run.lock,
-# test.lock and bench.lock with the hashes of their files, and what has another hash is not installed.
+# test.lock, docs.lock and bench.lock with the hashes of their files, and what has another hash is not installed.
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
@@ -13,7 +13,7 @@ COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml -
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
 
-.PHONY: run test check bench accuracy hard-cases scaling endurance format clean lock
+.PHONY: run test check docs bench accuracy hard-cases scaling endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
@@ -44,6 +44,10 @@ hard-cases: $(VENV)/.test   ## exact answers of hard cases against ours and the 
 scaling: $(VENV)/.test      ## arrays of taxels, grids on the disk, plans on paper: docs/scaling.md; short: make scaling SCALING=--short
 	$(BIN)/python -m tests.benchmarks.scaling $(SCALING) -o docs
 
+docs: $(VENV)/.docs          ## the site, into out/site/index.html
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/site
+	@echo "-> out/site/index.html"
+
 format: $(VENV)/.test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
@@ -68,7 +72,12 @@ $(VENV)/.bench: $(VENV)/.test bench.lock    # with the peers: gigabytes
 	$(LOCKED) bench.lock
 	touch $@
 
+$(VENV)/.docs: $(VENV)/.test docs.lock
+	$(LOCKED) docs.lock
+	touch $@
+
 lock:                        ## after a change of constraints.txt or pyproject.toml; wants uv
 	$(COMPILE) -o run.lock
 	$(COMPILE) $(EXTRAS) --extra test -o test.lock
 	$(COMPILE) $(EXTRAS) --extra test --extra bench -o bench.lock
+	$(COMPILE) $(EXTRAS) --extra test --extra docs -o docs.lock

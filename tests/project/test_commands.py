@@ -49,7 +49,10 @@ def epilog(group: str, name: str) -> list[str]:
     return [line.strip() for line in lines if line.startswith("  ")]
 
 
-DOCS = [path.relative_to(ROOT).as_posix() for path in sorted(ROOT.glob("docs/*.md"))]
+DOCS = [
+    path.relative_to(ROOT).as_posix()
+    for path in (*sorted(ROOT.glob("docs/*.md")), *sorted(ROOT.glob("docs/how-to/*.md")))
+]
 ALL_PAGES = ["README.md", "CONTRIBUTING.md", "CONVENTIONS.md", "SECURITY.md", "templates/README.md",
              "tactile/CONNECT.md", *DOCS]  # fmt: skip
 PAGES = {page: lines for page in ALL_PAGES if (lines := commands(ROOT / page))}
