@@ -26,10 +26,15 @@ FILM_FRAMES = 60
 """Pictures of a film, at most."""
 
 
+def file_name(setup: Setup) -> str:
+    """Return the name of a template file, which is not that of the library where the numbers differ."""
+    return f"{setup.entry.name}-changed" if setup.changed else setup.entry.name
+
+
 def command_line(setup: Setup) -> str:
     """Return the command that runs the setup on picture.png; a changed template is a file of its own."""
     entry, own = setup.entry, setup.own
-    words = ["cnnsim run", f"{entry.name}.toml" if setup.changed else entry.name, "picture.png", "-o out.png"]
+    words = ["cnnsim run", f"{file_name(setup)}.toml" if setup.changed else entry.name, "picture.png", "-o out.png"]
     if setup.takes_second:
         words.append("--state start.png")
     if setup.changed:
@@ -110,7 +115,7 @@ def _network_code(network: Template | LayeredTemplate) -> str:
 def _save(session: "Session", message: Message) -> Message:
     """Reply with a file: toml, tem, png, gif, mp4, picture or start."""
     what, setup, run = message.text("what"), session.setup, session.run
-    name = message.text("name", setup.entry.name) or setup.entry.name
+    name = message.text("name", "") or (file_name(setup) if what in ("toml", "tem") else setup.entry.name)
     check_name(name, "template")
     match what:
         case "toml" | "tem":

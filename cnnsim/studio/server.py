@@ -124,7 +124,10 @@ class Guard:
 
 
 def make_app(make_model: Callable[[], Model], page: Path, host: str = "127.0.0.1") -> Guard:
-    """Return the guarded application: "/" is index.html of the folder ``page``, /page/ its files, /ws the websocket."""
+    """Return the guarded application: "/" is index.html of the folder ``page``, /ws the websocket.
+
+    /page/ has the files of the folder, and those of the playground's page, whose modules other pages import.
+    """
     worker = ThreadPoolExecutor(1, "studio")
     pages: set[WebSocket] = set()
 
@@ -146,7 +149,7 @@ def make_app(make_model: Callable[[], Model], page: Path, host: str = "127.0.0.1
 
     routes = [
         Route("/", index),
-        Mount("/page", StaticFiles(directory=page)),
+        Mount("/page", StaticFiles(directory=page, packages=[("cnnsim.studio", "page")])),
         WebSocketRoute("/ws", talk),
     ]
     return Guard(Starlette(routes=routes), host)

@@ -23,6 +23,8 @@ from cnnsim.support.notices import Notices
 
 FRAME_SECONDS = 0.1
 """How long a page waits for a frame at most; it then shows the state that is reached and asks again."""
+MOST_STEPS = 10**6
+"""Steps of a run: a network with delays takes all of them for a frame."""
 Handler = Callable[["Session", Message], Message]
 
 
@@ -161,7 +163,7 @@ def _frame(session: Session, message: Message) -> Message:
     run = session.run
     seconds, steps, begin = run.seconds, run.cell_steps, run.index
     by = message.whole("by", -(10**6), 10**6, 0)
-    to = message.whole("to", 0, 10**9, run.index + by)
+    to = message.whole("to", 0, MOST_STEPS, run.index + by)
     ends = message.content.get("rest") is True
     if ends and by > 0 and run.last is not None and run.index < run.last:
         to = min(to, run.last)

@@ -25,7 +25,6 @@ const programs = new ProgramsPanel(find("panel-programs"), view, async (name) =>
   await library.take(name);
 });
 weights.reset = () => view.change({ network: "own" });
-link.failed = (/** @type {string} */ text) => view.say(text, true);
 
 const tabs = ["weights", "run", "cell", "library", "chips", "programs"];
 
@@ -124,6 +123,7 @@ async function take(file) {
   for (let i = 0; i < bytes.length; i++) bytes[i] = Math.round(240 - ((0.299 * data[4 * i] + 0.587 * data[4 * i + 1] + 0.114 * data[4 * i + 2]) / 255) * 224);
   await fresh({ rows, cols }, [bytes]);
 }
+addEventListener("keydown", (event) => event.defaultPrevented || view.key(event));
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => {
   event.preventDefault();

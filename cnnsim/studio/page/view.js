@@ -35,13 +35,17 @@ export const PALETTE = (() => {
   return colours;
 })();
 
+/** The pixels of each canvas, used again for every picture. @type {WeakMap<HTMLCanvasElement, ImageData>} */
+const IMAGES = new WeakMap();
+
 /** Draws palette indices (rows, cols) into a canvas of as many pixels.
  * @param {HTMLCanvasElement} canvas @param {Uint8Array} bytes @param {number[]} shape @param {Uint32Array} [colours] */
 export function paint(canvas, bytes, shape, colours = PALETTE) {
-  const [rows, cols] = shape;
+  const [rows, cols] = shape, context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   if (canvas.width !== cols || canvas.height !== rows) [canvas.width, canvas.height] = [cols, rows];
-  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-  const image = context.createImageData(cols, rows), pixels = new Uint32Array(image.data.buffer);
+  let image = IMAGES.get(canvas);
+  if (image?.width !== cols || image.height !== rows) IMAGES.set(canvas, (image = context.createImageData(cols, rows)));
+  const pixels = new Uint32Array(image.data.buffer);
   for (let i = 0; i < pixels.length; i++) pixels[i] = colours[bytes[i]];
   context.putImageData(image, 0, 0);
 }
@@ -60,6 +64,7 @@ export class Link {
     this.seen = new Set();
     /** @type {(text: string) => void} */
     this.failed = () => {};
+    this.waits = () => {};
     model.on("msg:custom", (/** @type {Content} */ content, /** @type {any[]} */ buffers) => {
       const views = (buffers || []).map((b) => (b instanceof Uint8Array ? b : new Uint8Array(b.buffer || b)));
       const waits = this.asked.get(content.id);
@@ -77,9 +82,13 @@ export class Link {
 
   /** @param {Content} content @param {Uint8Array[]} [buffers] @returns {Promise<Reply>} */
   ask(content, buffers = []) {
-    const id = ++this.number;
+    const id = ++this.number, late = setTimeout(() => this.waits(), 2500);
     return new Promise((yes, no) => {
-      this.asked.set(id, { yes, no });
+      const over = (/** @type {any} */ call) => (/** @type {any} */ value) => {
+        clearTimeout(late);
+        call(value);
+      };
+      this.asked.set(id, { yes: over(yes), no: over(no) });
       this.model.send({ ...content, id }, undefined, buffers);
     });
   }
@@ -185,6 +194,8 @@ export class View {
     this.build(host);
     this.bind(this.left, () => this.side);
     this.bind(this.right, () => "state");
+    link.failed = (text) => this.say(text, true);
+    link.waits = () => this.say("computing; loops are compiled when they are first used");
     link.seen.add((reply) => {
       if (reply.content.is === "planes") this.planes(reply);
       if (reply.content.notice) this.say(reply.content.notice);
@@ -518,7 +529,6 @@ export default {
   render({ model, el }) {
     el.style.height = "520px";
     const link = new Link(model), view = new View(link, el);
-    link.failed = (text) => view.say(text, true);
     link.ask({ do: "open" }).then(() => view.play()).catch(() => {});
   },
 };

@@ -29,6 +29,12 @@ def ask(session: Session, do: str, *buffers: bytes, **content: Any) -> Message:
     return reply
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A frame is waited for, however busy the machine is."""
+    monkeypatch.setattr("cnnsim.studio.session.FRAME_SECONDS", 60.0)
+
+
 @pytest.fixture
 def session() -> Session:
     return Session(first_setup("hole-filler", GRID))
@@ -197,6 +203,23 @@ def test_other_kinds_of_templates_run_are_inspected_and_edited(name: str) -> Non
     assert read_link(link_of(session.setup)).entry.name == name
 
 
+RULES: list[dict[str, Any]] = [{"scheme": "adaptive"}, {"accuracy": 1e-3}, {"cell": "full-range"},
+    {"cell": "discrete-time"}, {"boundary": "periodic"}, {"scheme": "heun", "step": 0.2}]  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", RULES, ids=str)
+def test_all_rules_run_forward_and_back(changes: dict[str, Any], session: Session) -> None:
+    ask(session, "set", changes=changes)
+    ask(session, "frame", by=3)
+    while session.run.index < 12:
+        ask(session, "frame", by=1, rest=True)
+    there = session.run.x
+    ask(session, "frame", to=5)
+    ask(session, "frame", to=12)
+    assert np.array_equal(session.run.x, there)
+    ask(session, "cell", row=2, col=3)
+
+
 def test_the_library_is_searched_and_judged(session: Session) -> None:
     found = ask(session, "library", words="HOLE fill").content
     assert "hole-filler" in [row["name"] for row in found["found"]]
@@ -241,6 +264,7 @@ def test_files_can_be_saved_and_read_again(session: Session, tmp_path: Path) -> 
         (tmp_path / reply.content["name"]).write_bytes(reply.buffers[0])
     entry = library.load_file(tmp_path / "my-filler.toml")
     assert entry.template.z == -0.75
+    assert ask(session, "save", what="toml").content["name"] == "hole-filler-changed.toml"
     assert (tmp_path / "my-filler.tem").stat().st_size
     with Image.open(tmp_path / "hole-filler.gif") as film:
         assert getattr(film, "n_frames", 0) == 13
