@@ -10,8 +10,12 @@ import json
 import os
 import random
 import signal
+import socket
 import tempfile
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +26,30 @@ from tactile.recording.reader import open_recording
 from tactile.wire.registry import NAMES
 from tests.fuzz.random_bytes import random_bytes
 from tests.fuzz.two_ends import busy, emulator, metronome, peak_mib, processor_seconds, reader
+
+
+@contextmanager
+def listening() -> Iterator[tuple[int, list[int]]]:
+    """Yield the port of a listener for datagrams, and the list of their lengths, which a thread fills."""
+    lengths: list[int] = []
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2**24)
+        one.bind(("127.0.0.1", 0))
+        one.settimeout(0.2)
+        over = threading.Event()
+
+        def listen() -> None:
+            while not over.is_set():
+                with suppress(TimeoutError):
+                    lengths.append(len(one.recv(65536)))
+
+        thread = threading.Thread(target=listen)
+        thread.start()
+        try:
+            yield one.getsockname()[1], lengths
+        finally:
+            over.set()
+            thread.join()
 
 
 @click.group()
@@ -35,22 +63,26 @@ def main() -> None:
 @click.option("--seconds", type=float, default=60.0)
 @click.option("--others", type=int, default=0, help="Number of other busy processes.")
 @click.option("--record-only", is_flag=True, help="Without the pipeline.")
+@click.option("--publish", is_flag=True, help="Each frame also as a datagram, to a listener of this process.")
 @click.option("--fingers", type=click.IntRange(1), default=1, help="Arrays of 8 x 8, where the protocol has no own.")
 @click.option(
     "--p99-ms", type=float, help="Fail if the 99th percentile of the latency is above this, or a frame is lost."
 )
 def rate(
-    protocol: str, hz: float, seconds: float, others: int, record_only: bool, fingers: int, p99_ms: float | None
-) -> None:
+    protocol: str, hz: float, seconds: float, others: int, record_only: bool, publish: bool, fingers: int,
+    p99_ms: float | None,
+) -> None:  # fmt: skip
     """Frames at this rate with the pipeline running: nothing lost, or every loss counted."""
     with (
         tempfile.TemporaryDirectory() as name,
         emulator(Path(name), hz, min(seconds, 4.0), "--loop", protocol=protocol, fingers=fingers) as device,
         busy(others),
         metronome() as paused,
+        listening() as (port, received),
     ):
         folder = Path(name)
         options = [] if record_only else ["--tare", "off"]
+        options += ["--publish", f"udp://127.0.0.1:{port}"] if publish else []
         process = reader(
             folder, "r", "--seconds", str(seconds + 2.0), *options, command="record" if record_only else "live"
         )
@@ -78,6 +110,11 @@ def rate(
                   f" reader: {100 * used / took:.0f} % of one")  # fmt: skip
             latency = {key: f"{1e3 * value:.2f} ms" for key, value in end["latency"].items()}
             print(f"{latency}; peak memory {memory[0]:.0f} MiB after 1 s, {memory[-1]:.0f} MiB at the end")
+        if publish:
+            time.sleep(0.5)
+            print(f"published {end['published']}, received {len(received)} datagrams")
+            assert end["published"] == {"sent": stored, "unsent": 0}
+            assert len(received) == stored
         boards = len(recorded.description.boards)
         assert stored == seen["good"] * (1 if protocol == "native" else boards)
         assert recorded.complete
