@@ -1,5 +1,6 @@
 """Publishing of frames as UDP datagrams, in JSON or MessagePack, for control loops in other programs."""
 
+import json
 import socket
 from collections.abc import Callable
 from typing import Any
@@ -8,7 +9,6 @@ from urllib.parse import urlsplit
 import numpy as np
 
 from cnnsim.support import InputError
-from cnnsim.support.terminal import json_line
 from tactile.core.frame import TaxelArray
 from tactile.output.stream_frame import StreamFrame
 
@@ -81,7 +81,7 @@ class Publisher:
 
 
 def _json(_frame: StreamFrame, data: dict[str, Any]) -> bytes:
-    return json_line(data).encode()
+    return json.dumps(data, allow_nan=False).encode()
 
 
 def _packer() -> Callable[[StreamFrame, dict[str, Any]], bytes]:
