@@ -12,6 +12,7 @@ from cnnsim.support import InputError
 from cnnsim.support.command_files import CommandFiles
 from cnnsim.support.exclusive_file import refuse_existing
 from cnnsim.support.files import writing
+from cnnsim.support.notices import Notices
 from tactile.wire.registry import NAMES
 
 if TYPE_CHECKING:
@@ -37,7 +38,12 @@ def chosen_description(protocol: str | None, array: Path | None) -> "Description
     if array is None:
         if protocol is None:
             raise click.UsageError("--array or --protocol wanted")
-        return default_description(protocol)
+        description = default_description(protocol)
+        fingers = ", ".join(
+            f"{one.name} of {one.rows} x {one.cols} at {one.pitch * 1e3:g} mm" for one in description.arrays
+        )
+        Notices.say(f"note: no --array: the arrays of {protocol} are supposed to be {fingers}")
+        return description
     description = read_description(array)
     if protocol not in (None, description.wire.name):
         raise click.UsageError(f"--protocol {protocol}, but {array} says {description.wire.name}")

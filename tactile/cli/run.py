@@ -13,6 +13,7 @@ from tactile.calibration.live_tare import TareMode
 from tactile.cli.opened import RunChoices, gains_of, open_for_run
 from tactile.cli.options import FILE, JSON, LAYOUT, TareChoice, check_thresholds, detection
 from tactile.core.source import Source, provenance, with_frames
+from tactile.events.event import MOST_NEWTONS
 from tactile.settings import PipelineOptions
 from tactile.sources import is_folder_of_recordings
 from tactile.wire.reading import Counts
@@ -117,6 +118,11 @@ def run(
         tables(collected, frames.arrays)
     for line in [*_left_on_the_wire(frames), *unread.lines]:
         echo(line, err=True)
+    forces = [abs(one) for event in collected.events for name, one in event.data.items()
+              if name.endswith("_n") and isinstance(one, float)]  # fmt: skip
+    if max(forces, default=0.0) > MOST_NEWTONS:
+        words = "if the device sends millinewtons, --gains 0.001,0.001 or gains in the array description are wanted"
+        echo(f"forces of up to {max(forces):.4g} N, where at most {MOST_NEWTONS:g} N are expected: {words}", err=True)
     for array in frames.arrays if mode not in ("off", 0) else ():
         check = collected.tare(array)
         if check is None:

@@ -12,6 +12,8 @@ Data = Mapping[str, str | int | float]
 _GAPS = re.compile(r"( ?,)+")  # around unknown data
 UNITS = {"_n": ("N", 2), "_mm": ("mm", 2), "_pa": ("Pa", 0)}
 """Suffix of a quantity -> its unit and decimal places in the text."""
+MOST_NEWTONS = 500.0
+"""[N] Force of a finger above which readings are taken for another unit, such as millinewtons."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,8 @@ class _TextData(dict[str, Any]):
         value = super().__getitem__(name) if name in self else self.__missing__(name)
         for ending, (unit, places) in UNITS.items():
             if name.endswith(ending) and isinstance(value, int | float):
+                if unit == "N" and abs(value) > MOST_NEWTONS:
+                    return f"{value:.0f} in the unit of the readings"
                 return f"{value:.{places}f} {unit}"
         return value
 

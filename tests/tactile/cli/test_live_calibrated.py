@@ -64,3 +64,4 @@ def test_wrong_calibrations_are_refused(tmp_path: Path) -> None:
     result = call("live", "-p", "x", "--protocol", "papillarray", "--calibration", skin)
     assert result.exit_code == 2
     assert "array 'sensor-0' of force; strain wanted" in result.stderr
+    assert "note: no --array: the arrays of papillarray are supposed to be sensor-0 of 3 x 3 at 7 mm" in result.stderr

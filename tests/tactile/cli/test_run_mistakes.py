@@ -106,3 +106,17 @@ def test_a_recording_with_the_wrong_description_is_warned_about(tmp_path: Path) 
         assert ("bytes of the wire: 0 good" in done.stderr) is bool(warning)
         assert warning in done.stderr
         assert f"left 2 x {cols}, right 2 x {cols}" in done.stderr or not warning
+
+
+def test_millinewtons_are_not_printed_as_newtons(tmp_path: Path) -> None:
+    array = TaxelArray("pad", 2, 2, 5e-3, 0.0, quantity="force")
+    rng, press, stop = np.random.default_rng(0), np.array([0, 0, 1500.0]), 300
+    frames = [
+        Frame(0, 5e-3 * n, n, rng.normal(0, 2, (2, 2, 3)) + press * (60 < n < 240), np.ones((2, 2), bool))
+        for n in range(stop)
+    ]
+    write_csv(tmp_path / "mn.csv", FrameStream("mn", (array,), None, stop, frames))
+    shown = run_command(tmp_path / "mn.csv")
+    assert "in the unit of the readings" in " ".join(shown.stdout.split()), shown.stdout
+    assert "00 N" not in shown.stdout
+    assert "if the device sends millinewtons, --gains 0.001,0.001" in shown.stderr
