@@ -54,7 +54,7 @@ def command_line(setup: Setup) -> str:
 
 def python_text(setup: Setup) -> str:
     """Return Python that runs the setup on picture.png."""
-    entry, own, lines, names = setup.entry, setup.own, [], {"read_picture", "run"}
+    entry, own, lines, names = setup.entry, setup.own, [], {"read_picture", "run", "write_picture"}
     changes = {"network": _network_code(entry.network)} if setup.changed else {}
     if entry.initial_state != own.initial_state:
         changes["initial_state"] = repr(entry.initial_state)
@@ -86,7 +86,7 @@ def python_text(setup: Setup) -> str:
         'picture = read_picture("picture.png")',
         *lines,
         f"result = run({', '.join(words)})",
-        "print(result)",
+        'write_picture(result.y, "out.png")',
     ]
     return "\n".join(lines) + "\n"
 

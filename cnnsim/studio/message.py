@@ -2,12 +2,12 @@
 
 import json
 import math
-import sys
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from cnnsim.support import InputError
 from cnnsim.support.errors import shown
+from cnnsim.support.terminal import echo
 from cnnsim.support.values import is_number, is_whole
 
 MOST_BYTES = 8 * 2**20
@@ -80,7 +80,7 @@ def reply_to(model: Model, message: Message) -> Message:
         text = str(error)
     except Exception as error:  # a fault of ours must not end the page's work
         text = f"a fault of the studio: {type(error).__name__}: {error}"
-        print(text, file=sys.stderr)
+        echo(text, err=True)
     said = {key: value for key, value in message.content.items() if key in ("do", "id")}
     return Message({"is": "error", "text": text, **said})
 

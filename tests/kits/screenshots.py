@@ -4,14 +4,15 @@ import shutil
 import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from cnnsim.studio.session import Session
 from cnnsim.studio.setup import first_setup
 from tests.kits.paths import ROOT
 from tests.kits.studio import FLAGS, serving
 
-SIZE = {"width": 1180, "height": 720}
-SHOTS: dict[str, tuple[str, str, str]] = {
+SIZE: Any = {"width": 1180, "height": 720}
+SHOTS: dict[str, tuple[str, Any, str]] = {
     "studio.png": ("hole-filler", "light", "weights"),
     "studio-cell.png": ("hole-filler", "dark", "cell"),
 }

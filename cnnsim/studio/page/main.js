@@ -65,7 +65,9 @@ link.seen.add(({ content }) => {
   weights.session = content;
   if (!link.slots.get("set")?.next) weights.show(content); // else a newer change is on its way
   rules.show(content);
-  size.value = content.shape[0] === content.shape[1] && [...size.options].some((o) => o.value === String(content.shape[0])) ? String(content.shape[0]) : "";
+  const grid = content.shape[0] === content.shape[1] ? String(content.shape[0]) : content.shape.join(" x ");
+  if (![...size.options].some((one) => one.value === grid)) size.append(h("option", { value: grid }, content.shape.join(" x ")));
+  size.value = grid;
   find("plan").textContent = content.plan.map((/** @type {string[]} */ row) => row[0]).join(" · ");
   find("plan").title = content.plan.map((/** @type {string[]} */ row) => row.join(": ")).join("\n");
   find("where").textContent = content.where;
@@ -90,7 +92,10 @@ view.framed = (content) => {
 
 // Pictures: presets, size, noise, files.
 const chosen = h("select", { name: "picture", title: "picture to begin with", "aria-label": "picture" });
-const size = h("select", { name: "size", title: "size of the grid", "aria-label": "size of the grid", onchange: () => fresh({ rows: Number(size.value), cols: Number(size.value) }) },
+const size = h("select", { name: "size", title: "size of the grid", "aria-label": "size of the grid", onchange: () => {
+  const [rows, cols = rows] = size.value.split(" x ").map(Number);
+  fresh({ rows, cols });
+} },
   [16, 32, 64, 128, 256, 512].map((n) => h("option", { value: n }, `${n} x ${n}`)));
 let seed = 0;
 /** Asks for another picture and plays. @param {Content} what @param {Uint8Array[]} [buffers] */

@@ -267,7 +267,7 @@ export class View {
     this.layer = Math.min(this.layer, now.layers - 1);
     this.frame = Math.min(this.frame, Math.max(0, now.frames - 1));
     const unread = now.input !== "picture" && now.initial_state !== "picture";
-    this.note.textContent = unread ? "not read by this template" : "draw here";
+    this.note.textContent = unread ? "not read by this template" : now.second ? "draw here, and the start" : "draw here";
     this.input = input;
     this.start = start;
     if (!this.stroke) this.left.show((this.side === "input" ? input : start).slice(), now.shape);
