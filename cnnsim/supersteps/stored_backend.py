@@ -202,7 +202,7 @@ class StoredBackend(Backend):
             store, side, engine = GridStore(self._folder / name, name, KIND), self._record["side"], self._engine
             record = Record(side) if store.record is None else Record(**store.record)
             check_worker_memory(engine, plan, side, x.shape, self.dtype, set(planes), self.name, self._workers.count)
-            steps = Supersteps(plan, store, record, planes, self._place, engine, self._workers, True)
+            steps = Supersteps(plan, store, record, planes, self._place, engine, self._workers)
             steps.run()
             for other in set(STATES) - {steps.state.name}:
                 rmtree(store.folder / other, ignore_errors=True)

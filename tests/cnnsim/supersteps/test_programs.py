@@ -50,7 +50,8 @@ def test_grids_of_a_batch_have_a_wire_each(tmp_path: Path) -> None:
     program = load(tmp_path, EVERYTHING + '[[step]]\nfill = "n"\nto = "b"\n')
     planes = planes_of(program, (2, 30, 37))
     planes["p"][0] = True
-    assert_same(UniversalMachine(engine=one()).run(program, **planes), UniversalMachine().run(program, **planes))
+    parts = UniversalMachine(engine=one(side=32))  # two blocks
+    assert_same(parts.run(program, **planes), UniversalMachine().run(program, **planes))
 
 
 def test_planes_without_a_later_use_are_deleted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
