@@ -1,7 +1,7 @@
 """Convergence of transients: results at a verified rest, or within an accuracy; `NotSettledError` otherwise."""
 
 from dataclasses import replace
-from math import nan
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -68,6 +68,12 @@ def settled_result(result: Result, where: Backend, outcome: Outcome, u: Any, bia
     if ending.x is not None:
         result = replace(result, x=ending.x, t=verified.t, settled=verified.settled, rate=verified.rate)
     result = replace(result, distance=ending.distance, undecided=np.argwhere(ending.undecided), how=ending.how)
+    if result.distance == inf:
+        raise NotSettledError(
+            f"{name} has not settled after {result.t:g} time constants: |dx/dt| fell to {SETTLED_RATE:g}, but a mode "
+            "of the network does not decay there; give a duration, or a higher limit",
+            result,
+        )
     if not result.settled:
         raise NotSettledError(
             f"{name} moves no faster than {SETTLED_RATE:g} after {result.t:g} time constants, but may be "

@@ -19,6 +19,8 @@ _ROUNDING = 1e-9
 """Largest residual of a solution that is attributed to rounding, for drives of size 1."""
 _MOST_DENSE = 400
 """Most cells for which all modes are computed; this takes a fifth of a second."""
+_ITERATIONS = 300
+"""Restarts of Arnoldi's iteration for the slowest mode of a larger matrix."""
 _NEUTRAL = 1e-9
 """A mode slower than this part of the fastest one neither grows nor decays."""
 
@@ -27,32 +29,36 @@ _NEUTRAL = 1e-9
 class Rest:
     """The outputs ``y`` and drives (both (cells,)) at which a network rests, and the cells that are ``linear`` there.
 
-    ``stable``: all transients near it end there. Otherwise the linear cells are on a separatrix: the smallest
-    perturbation decides where they go.
+    ``stable``: all transients near it end there. If False the linear cells are on a separatrix: the smallest
+    perturbation decides where they go. If None, this is no rest but a state farther from one than the tolerance, or
+    one that drifts: a mode that does not decay has a constant rate.
     """
 
     y: Floats
     drive: Floats
     linear: Flags
-    stable: bool
+    stable: bool | None
 
 
 def find_rest(system: LinearSystem, x: Floats, tolerance: float) -> Rest | None:
     """Return the rest that a state (cells,) with a small rate approaches, with y to the tolerance.
 
-    None: Newton's method found none, or the state could end elsewhere.
+    None: Newton's method found none near the state, or the state could end elsewhere.
     """
     drive = system.matrix @ x.clip(-1, 1) + system.drive
-    found = _newton(system, x, system.free & (np.abs(drive) < 1), tolerance)
+    linear = system.free & (np.abs(drive) < 1)
+    found = _newton(system, x, linear, tolerance)
     if found is None and system.definite:  # there is one rest; far from it, assume no saturated cells
         found = _newton(system, x, system.free, tolerance)
-    if found is None:
-        return None
-    y, linear, leak = found
-    stable = True if system.definite else is_stable(leak)
-    if stable is None or (stable and not _is_approached(system, x, y, linear)):
-        return None
-    return Rest(y, system.matrix @ y + system.drive, linear, stable)
+    if found is not None:
+        y, at_rest, leak = found
+        stable = True if system.definite else is_stable(leak)
+        if stable is False or (stable and _is_approached(system, x, y, at_rest)):
+            return Rest(y, system.matrix @ y + system.drive, at_rest, stable)
+    cells = np.flatnonzero(linear)
+    step = solve_sparse(_leak(system.matrix, cells), (drive - x.clip(-1, 1))[cells], tolerance)
+    far = step is not None and np.abs(step).max(initial=0.0) > tolerance
+    return Rest(x, drive, linear, None) if far else None
 
 
 def _newton(system: LinearSystem, x: Floats, linear: Flags, tolerance: float) -> tuple[Floats, Flags, Any] | None:
@@ -66,14 +72,14 @@ def _newton(system: LinearSystem, x: Floats, linear: Flags, tolerance: float) ->
         cells = np.flatnonzero(linear)
         leak = _leak(matrix, cells)
         step = solve_sparse(leak, (drive - y)[cells], tolerance, system.inverse if cells.size == y.size else None)
-        if step is None:
+        if step is None or np.isinf(step).any():
             return None
         y[cells] += step
         drive = matrix @ y + system.drive
         now = free & (np.abs(drive) < 1)
         if np.array_equal(now, linear):
             wrong = np.abs(np.where(free, drive.clip(-1, 1) - y, 0.0)).max(initial=0.0)
-            return (y, linear, leak) if wrong <= max(_ROUNDING, tolerance / 10) else None
+            return (y, linear, leak) if wrong <= _ROUNDING else None
         y = np.where(free, y.clip(-1, 1), y)
         linear = now
     return None
@@ -99,26 +105,38 @@ def _is_approached(system: LinearSystem, x: Floats, y: Floats, linear: Flags) ->
     return away < margin
 
 
-def is_stable(leak: Any) -> bool | None:
+def is_stable(leak: Any, neutral: float = _NEUTRAL) -> bool | None:
     """Return whether every mode of dx/dt = -``leak`` x decays or is constant; None if this is unknown.
 
     Gershgorin's circles decide first; they are enough for diffusion. Then the eigenvalues of a small matrix decide, or
-    for a large symmetric one the signs of its factors (Sylvester's law of inertia).
+    for a large symmetric one the signs of its factors (Sylvester's law of inertia). A mode slower than the part
+    ``neutral`` of the fastest one counts as constant.
     """
     if leak.shape[0] == 0:
         return True
     diagonal = leak.diagonal()
-    if (diagonal < 0).any() and abs(leak - leak.T).max() < 1e-12:
-        return False  # a definite matrix has no such entry
+    symmetric = abs(leak - leak.T).max() < 1e-12
+    if diagonal.sum() < 0 or (symmetric and (diagonal < 0).any()):
+        return False  # the sum is that of all modes, and a definite matrix has no such entry
     around = np.asarray(abs(leak).sum(axis=1)).ravel() - np.abs(diagonal)
-    if (diagonal >= around - _NEUTRAL * diagonal).all():
+    if (diagonal >= around - neutral * diagonal).all():
         return True
     if leak.shape[0] <= _MOST_DENSE:
         modes = np.linalg.eigvals(leak.toarray())
-        return bool(modes.real.min() >= -_NEUTRAL * np.abs(modes).max())
-    if abs(leak - leak.T).max() < 1e-12:
-        return _is_definite_matrix(leak)
-    return None
+        return bool(modes.real.min() >= -neutral * np.abs(modes).max())
+    return _is_definite_matrix(leak) if symmetric else _slowest(leak, neutral)
+
+
+def _slowest(leak: Any, neutral: float) -> bool | None:
+    """Return whether the mode of the smallest real part decays, found by Arnoldi's iteration."""
+    from scipy.sparse.linalg import ArpackError, eigs  # slow to import, and only needed here
+
+    start = np.random.default_rng(0).normal(size=leak.shape[0])
+    try:
+        slowest = eigs(leak, k=1, which="SR", v0=start, maxiter=_ITERATIONS, return_eigenvectors=False)
+    except ArpackError:
+        return None
+    return bool(slowest.real.min() >= -neutral * abs(leak).sum(axis=1).max())
 
 
 def _is_definite_matrix(leak: Any) -> bool | None:

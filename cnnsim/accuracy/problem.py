@@ -71,10 +71,24 @@ class TransientProblem:
     def perturbed(self, where: Backend, roundings: float, seed: int = 0) -> Array:
         """Return the state with each free cell changed by ``roundings`` units of a backend's rounding, up or down."""
         state, mask = self.planes[0], self.planes[3]
-        size = roundings * float(np.finfo(where.dtype).eps) * np.maximum(np.abs(state), 1.0)
+        least = min(1.0, size_of_drives(self.plan, *self.planes[:3]))
+        size = roundings * float(np.finfo(where.dtype).eps) * np.maximum(np.abs(state), least)
         signs = 2 * np.random.default_rng(seed).integers(0, 2, state.shape, np.int8) - 1
         x: Array = state + (size * signs if mask is None else np.where(mask, 0, size * signs))
         return x.clip(-1, 1) if self.plan.cell == "full-range" else x
+
+
+def size_of_drives(plan: Plan, x: Array, u: Any, bias: Any) -> float:
+    """Return an upper bound of the sums of products in a state, of which a drive may be a small difference."""
+    if any(isinstance(plane, Frames) for plane in (u, bias)):
+        return math.inf
+    of_x, of_u, of_bias = (0.0 if plane is None else largest(plane) for plane in (x, u, bias))
+    size = of_x + of_bias
+    for layer in (plan.template,) if plan.network is None else plan.network.layers:
+        size += abs(layer.z) + float(np.abs(layer.A).sum()) * of_x + float(np.abs(layer.B).sum()) * of_u
+        for term in layer.terms:
+            size += term.bound * (max(of_x, of_u) if term.table is None and term.times is None else 1.0)
+    return size
 
 
 def largest(x: Array) -> float:

@@ -1,5 +1,6 @@
 """Sparse linear systems of networks at rest: LU factors, or conjugate gradients for large ones."""
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,10 @@ _MOST_ITERATIONS = 600
 """A round: beyond that a state reaches its rest faster by steps."""
 _FAR = 1e9
 """Growth of a probe from which on the matrix counts as singular."""
+_SHIFT = 1e-7
+"""Added to the diagonal of a singular matrix: what the matrix reaches is solved for in a few rounds."""
+_DRIFT = 1e-12
+"""Residual from which on a right side counts as out of the reach of a singular matrix, for outputs of size 1."""
 
 
 def solve_sparse(leak: Any, right: Floats, tolerance: float, inverse: Inverse | None = None) -> Floats | None:
@@ -20,18 +25,37 @@ def solve_sparse(leak: Any, right: Floats, tolerance: float, inverse: Inverse | 
 
     ``inverse`` is an approximate inverse of the matrix, if known (see `spectrum`).
 
-    Where the matrix is singular (diffusion that keeps its mean) and symmetric, it is the smallest solution:
-    the remaining change of a transient with this rate.
+    Where the matrix is singular (diffusion that keeps its mean) it is the remaining change of a transient with this
+    rate: infinite if the rate has a part that never decays.
     """
     if not right.size or not right.any():
         return np.zeros_like(right)
-    small = right.size <= MOST_FACTORED
+    small, symmetric = right.size <= MOST_FACTORED, abs(leak - leak.T).max() < 1e-12
     found = _by_factors(leak, right) if small else None
     if small:  # singular: plain gradients stay in what the matrix reaches
         inverse = inverse or (lambda v: v)
-    if found is None and abs(leak - leak.T).max() < 1e-12:
+    if found is None and symmetric:
         found = _by_gradients(leak, right, tolerance, inverse)
-    return found
+    return _by_shift(leak, right, tolerance, inverse) if found is None and (small or symmetric) else found
+
+
+def _by_shift(leak: Any, right: Floats, tolerance: float, inverse: Inverse | None) -> Floats | None:
+    """Return the solution of a singular system without a part in the null space, infinite if there is none."""
+    from scipy.sparse import identity  # as below
+    from scipy.sparse.linalg import splu
+
+    shifted = (leak + _SHIFT * identity(right.size)).tocsc()
+    factors = splu(shifted) if right.size <= MOST_FACTORED else None
+    found = np.zeros_like(right)
+    for _ in range(3):
+        left = right - leak @ found
+        more = factors.solve(left) if factors is not None else _by_gradients(shifted, left, tolerance, inverse)
+        if more is None or not np.isfinite(more).all():
+            return None
+        found = found + more
+    left = right - leak @ found
+    reached = np.abs(left).max() <= _DRIFT + 1e-9 * np.abs(right).max()
+    return found if reached else np.full_like(right, np.inf)
 
 
 def _by_factors(leak: Any, right: Floats) -> Floats | None:
@@ -60,7 +84,8 @@ def _by_gradients(leak: Any, right: Floats, tolerance: float, inverse: Inverse |
         left = right - leak @ found
         if np.abs(left).max() <= 1e-10 * np.abs(right).max():
             return found
-        with np.errstate(divide="ignore", invalid="ignore"):  # of a singular matrix
+        with np.errstate(all="ignore"), warnings.catch_warnings():  # of a singular matrix
+            warnings.simplefilter("ignore", RuntimeWarning)
             change, failed = cg(leak, left, maxiter=_MOST_ITERATIONS, M=precondition)
         if failed or not np.isfinite(change).all():
             return None

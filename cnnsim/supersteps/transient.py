@@ -151,7 +151,9 @@ def _settled(result: Result, where: Backend, planes: dict[str, Any], *, saturate
         u, bias, mask = (
             np.broadcast_to(planes[name][...], result.x.shape) if name in planes else None for name in PLANES[1:]
         )
-        outcome = Outcome(where.load(np.asarray(result.x[...]), "lam"), result.t, result.settled, result.rate)
+        outcome = Outcome(
+            where.load(np.asarray(result.x[...]), "lam"), result.t, result.settled, result.rate, saturated
+        )
         held = None if mask is None else where.load(np.asarray(mask), "llm")
         return settled_result(result, where, outcome, load(where, u), load(where, bias), held)
     plan = result.plan

@@ -21,11 +21,12 @@ START: Position = 0, 0, 0, False, False
 def dense(
     planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule,
     position: Position, most: int,
-) -> tuple[Position, bool, float]:  # fmt: skip
+) -> tuple[Position, bool, float, bool]:  # fmt: skip
     """Run a slice of the transient of n grids, at least ``most`` steps of a tile, from a position.
 
     ``planes`` (n, rows, cols) are x, two between which the steps alternate, and w. The address of ``tiling`` is that of
-    `stream`. Return the new position, whether all grids have settled, and the largest |dx/dt| of the last check.
+    `stream`. Return the new position, whether all grids have settled, the largest |dx/dt| of the last check, and
+    whether it found only saturated cells.
 
     The checks are in this compiled loop and not in `driver.run`: eight checks of an 8 x 8 grid that settles after seven
     time constants would take as long as the rest of the transient.
@@ -35,6 +36,7 @@ def dense(
     steps, check_every, rest, freezes = schedule
     done, where, tile, checked, ended = position
     count, r, settled, rate, left = tile_count(x.shape, height, width), feedback[4], False, np.nan, most
+    frozen = False
     found, scratches = np.empty((threads, FIGURES)), np.empty((threads, stream_cells(depth, r)), x.dtype)
     for thread in range(threads):
         start_check(found[thread])
@@ -59,10 +61,11 @@ def dense(
         tile = 0
         if check:
             rate, checked = largest_of(found), True
-            settled = x.dtype.type(rate) <= rest or (freezes and all_saturated(found))
+            frozen = freezes and all_saturated(found)
+            settled = x.dtype.type(rate) <= rest or frozen
             ended = settled or done == steps
             for thread in range(threads):
                 start_check(found[thread])
         else:
             done, where, checked = done + now, 2 if where == 1 else 1, False
-    return (done, where, tile, checked, ended), settled, rate
+    return (done, where, tile, checked, ended), settled, rate, frozen

@@ -67,11 +67,11 @@ class EulerTiles:
         if self._sleeps:
             given = *given, np.empty((len(given[0][0]) * self._count, COLUMNS))
         run = (sleeping if self._sleeps else dense).for_work(work)
-        position, settled, rate = run(*given, START, self._first_slice)
+        position, settled, rate, frozen = run(*given, START, self._first_slice)
         if not position[-1]:
             pace = Pace(plan, self._work)
             while not position[-1]:
-                position, settled, rate = run(*given, position, pace.left)
+                position, settled, rate, frozen = run(*given, position, pace.left)
                 pace.turn(position[0], rate)
             pace.over()
         done, where = position[:2]
@@ -79,7 +79,7 @@ class EulerTiles:
         pool.keep(*(plane for plane in planes[1:] if plane is not end))
         if not self._settles:
             return Outcome(end, float(plan.duration), False, math.nan)
-        return Outcome(end, done * plan.step, bool(settled), float(rate))
+        return Outcome(end, done * plan.step, bool(settled), float(rate), bool(frozen))
 
 
 def tile_shape(plan: Plan, threads: int, most: int) -> tuple[int, int]:

@@ -109,7 +109,7 @@ def _arrive(tiles: Array, step: int) -> float:
 def sleeping(
     planes: tuple[Array, Array, Array, Array], feedback: Feedback, tiling: Tiling, schedule: Schedule,
     tiles: Array, position: Position, most: int,
-) -> tuple[Position, bool, float]:  # fmt: skip
+) -> tuple[Position, bool, float, bool]:  # fmt: skip
     """Run a slice of the transient of n grids until all have settled; everything as in `dense.dense`.
 
     The address of ``tiling`` is that of `step_window`; ``tiles`` has `COLUMNS` for each tile. A slice ends after a
@@ -120,6 +120,7 @@ def sleeping(
     steps, check_every, rest, _ = schedule
     done, where, now, _, ended = position
     r, periodic, settled, rate, left = feedback[4], feedback[5] == PERIODIC, False, np.nan, most
+    frozen = False
     scratches = np.empty((threads, window_cells(depth, r)), x.dtype)
     for thread in range(threads):
         clear(scratches[thread], WIDTH + 2 * (depth + 2) * r)
@@ -171,4 +172,4 @@ def sleeping(
         else:
             now = steps_of_pass(done, depth, schedule)
             _wake(tiles, now * r, x.shape, periodic)
-    return (done, where, now, False, ended), settled, rate
+    return (done, where, now, False, ended), settled, rate, frozen
