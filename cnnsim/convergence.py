@@ -68,16 +68,11 @@ def settled_result(result: Result, where: Backend, outcome: Outcome, u: Any, bia
     if ending.x is not None:
         result = replace(result, x=ending.x, t=verified.t, settled=verified.settled, rate=verified.rate)
     result = replace(result, distance=ending.distance, undecided=np.argwhere(ending.undecided), how=ending.how)
-    if result.distance == inf:
-        raise NotSettledError(
-            f"{name} has not settled after {result.t:g} time constants: |dx/dt| fell to {SETTLED_RATE:g}, but a mode "
-            "of the network does not decay there; give a duration, or a higher limit",
-            result,
-        )
     if not result.settled:
+        away = "far" if result.distance == inf else f"{result.distance:.2g}"
         raise NotSettledError(
-            f"{name} moves no faster than {SETTLED_RATE:g} after {result.t:g} time constants, but may be "
-            f"{result.distance:.2g} from its end; give a duration, or a higher limit",
+            f"{name} has moved no faster than {SETTLED_RATE:g}, but after {result.t:g} time constants it may be {away} "
+            "from its end; give a duration, or a higher limit",
             result,
         )
     return result

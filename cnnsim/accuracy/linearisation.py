@@ -18,6 +18,8 @@ AT_REST = 1e-13
 """Largest rate that is rounding in float64, for drives of size 1."""
 _STEP = 1e-6
 """Change of a state in a difference, which has ten digits then."""
+_KINK = 1e-4
+"""Difference of two slopes at a state that shows a kink."""
 _NEUTRAL = 1e-7
 """A mode slower than this part of the fastest one is constant: its digits are those of the differences."""
 _MOST_NUMBERS = 2_000_000
@@ -27,9 +29,9 @@ _MOST_NUMBERS = 2_000_000
 def remaining(plan: Plan, x: Array, planes: Any, mask: Flags | None) -> tuple[float | None, Flags | None]:
     """Return how far a slow state of a network of terms is from its rest, by the rates and their Jacobian.
 
-    It is infinite if a mode grows, or has a constant rate; None if it is not known: a function with jumps, a large
-    grid. The second result marks the cells of an unstable rest in which the state stands still, else it is None.
-    Arguments: ``planes`` are input and bias in float64.
+    It is infinite if a mode grows, or has a constant rate; None if it is not known: a function with jumps, a state
+    at a kink, a large grid. The second result marks the cells of an unstable rest in which the state stands still,
+    else it is None. Arguments: ``planes`` are input and bias in float64.
     """
     assert plan.network is not None
     if largest_jump(plan.network, plan.characteristic) or x.size > MOST_FACTORED:
@@ -54,10 +56,14 @@ def _of_grid(plan: Plan, network: ReferenceNetwork) -> float | None:
     x, rates = network.x, _rates(network, network.x)
     free = network.free & ~((plan.cell == "full-range") & (rates == 0) & (np.abs(x) >= 1))
     cells = np.flatnonzero(free)
-    leak = _leak(plan, network)
-    if leak is None or not cells.size:
-        return None if leak is None else 0.0
-    leak = leak[cells][:, cells]
+    if not cells.size:
+        return 0.0
+    if (sides := _leaks(plan, network)) is None:
+        return None
+    above, below = (side[cells][:, cells] for side in sides)
+    if abs(above - below).max() > _KINK:
+        return None
+    leak = (above + below) / 2
     stable = _is_contracting(leak) if plan.cell == "discrete-time" else is_stable(leak, _NEUTRAL)
     if not stable:
         return None if stable is None else math.inf
@@ -76,8 +82,11 @@ def _rates(network: ReferenceNetwork, x: Array) -> Array:
     return np.where(network.free, rates, 0.0)
 
 
-def _leak(plan: Plan, network: ReferenceNetwork) -> Any:
-    """Return the negative Jacobian of the rates; cells too far apart to be read together are changed together."""
+def _leaks(plan: Plan, network: ReferenceNetwork) -> list[Any] | None:
+    """Return the negative Jacobian of the rates for states that rise and that fall, which differ at a kink.
+
+    Cells too far apart to be read together are changed together. None: that are too many numbers.
+    """
     from scipy.sparse import csr_matrix  # slow to import, and only needed here
 
     assert plan.network is not None
@@ -91,14 +100,17 @@ def _leak(plan: Plan, network: ReferenceNetwork) -> Any:
     for layer, a, b in np.ndindex(layers, down, across):
         change[layer, a, b, layer, a::down, b::across] = _STEP
     change = change.reshape(colours, *x.shape[1:])
-    slope = (_rates(network, x - change) - _rates(network, x + change)) / (2 * _STEP)
-    slope = slope.reshape(layers, down, across, layers, rows, cols)
     there = (row[:, None, :, None] * cols + col[None, :, None, :])[None, :, :, None]  # the changed cell that is near
-    known = ((row[:, None, :, None] >= 0) & (col[None, :, None, :] >= 0))[None, :, :, None] & (slope != 0)
+    near = ((row[:, None, :, None] >= 0) & (col[None, :, None, :] >= 0))[None, :, :, None]
     there = there + rows * cols * np.arange(layers).reshape(-1, 1, 1, 1, 1, 1)
-    here = np.arange(x.size).reshape(layers, rows, cols)
-    at = np.broadcast_to(here, slope.shape)[known], np.broadcast_to(there, slope.shape)[known]
-    return csr_matrix((slope[known], at), (x.size, x.size))
+    here, now, found = np.arange(x.size).reshape(layers, rows, cols), _rates(network, x), []
+    for side in (1, -1):
+        slope = (now - _rates(network, x + side * change)) / (side * _STEP)
+        slope = slope.reshape(layers, down, across, layers, rows, cols)
+        known = near & (slope != 0)
+        at = np.broadcast_to(here, slope.shape)[known], np.broadcast_to(there, slope.shape)[known]
+        found.append(csr_matrix((slope[known], at), (x.size, x.size)))
+    return found
 
 
 def _owners(cells: int, r: int, *, periodic: bool) -> tuple[int, Integers]:

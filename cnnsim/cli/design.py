@@ -33,6 +33,8 @@ _FILE = click.Path(path_type=Path)
 @click.option("-o", "--output", type=_FILE, required=True, help="Folder for the files.")
 @click.option("--norm", type=click.Choice(["sum", "largest"]), default="sum", show_default=True,
               help="Make the margin large compared with the sum of |weights|, or with the largest.")  # fmt: skip
+@click.option("--most", type=click.IntRange(1), default=32, show_default=True,
+              help="The most templates of a rule; each takes the search about a second.")  # fmt: skip
 @click.option("--boundary", default="fixed:-1", show_default=True, help=f"{BOUNDARY_FORMS}.")
 @click.option("--coupled", is_flag=True, help="Fit a template with neighbours in A to the pairs, by evolution.")
 @click.option("--state", default="picture", show_default=True, help="For --coupled: x(0), the picture or a number.")
@@ -67,7 +69,7 @@ def design(
         with progress(name) as track:
             facts, lines = report.fitted(pairs, name, output, around, options, track, replace=replace)
     else:
-        facts, lines = report.designed(text, table, pairs, name, output, around, options["norm"], replace=replace)
+        facts, lines = report.designed(text, table, pairs, name, output, around, options, replace=replace)
     if as_json:
         print_json(facts)
     else:

@@ -68,7 +68,8 @@ def decide_general(
         table = usual_scheme(limit_of, min(DEFAULT_STEP, allowed_step(step)), turning)
     else:
         table = EULER if scheme is None else find_scheme(scheme)
-    h, reason = timed_step(table, step, limit_of(table), duration, delays, periods, turning)
+    longest, forced = limit_of(table), scheme is not None
+    h, reason = timed_step(table, step, longest, duration, delays, periods, turning, forced=forced)
     h = h if timed else divided(duration, h)
     decisions.append((f"{table.name}, h = {h:.4g}", f"order {table.order}; the step is {reason}"))
     if jump := largest_jump(network, cell.output):

@@ -1,6 +1,6 @@
 """Stability of a network of terms: its modes, linearised with the smallest and the largest slopes of its functions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import product
 
@@ -13,8 +13,12 @@ from cnnsim.planning.stability import Modes, coupling, decaying, limit_of
 from cnnsim.planning.step import Duration
 from cnnsim.support import Floats
 
+Shape = tuple[int, int]
+
 _SHAPES = ((1, 1), (1, 2), (2, 1), (1, 10), (10, 1), (3, 3), (6, 6))
 _MOST_CELLS = 120
+_PLACES = 3
+"""Places along each axis at which space-variant weights are read on a large grid."""
 
 
 def step_bound(network: LayeredTemplate, output: Characteristic, duration: Duration, scheme: Scheme) -> float:
@@ -35,35 +39,74 @@ def step_bound(network: LayeredTemplate, output: Characteristic, duration: Durat
 def network_modes(network: LayeredTemplate, output: Characteristic) -> Modes:
     """Return the modes on small grids with all cells in one piece.
 
-    Delayed terms and products of two arguments are omitted: they are not linear in the present state.
+    With space-variant weights these are parts of the network's grid, the whole grid if it is small. Delayed terms and
+    products of two arguments are omitted: they are not linear in the present state.
     """
-    layers = len(network.layers)
-    shapes = [shape for shape in _SHAPES if layers * shape[0] * shape[1] <= _MOST_CELLS] or [(1, 1)]
-    found = [np.linalg.eigvals(_jacobian(network, output, shape, side)) for shape in shapes for side in (0, 1)]
+    layers, varying = len(network.layers), _grid_of_weights(network)
+    most = _MOST_CELLS // layers
+    shapes = [shape for shape in _SHAPES if shape[0] * shape[1] <= most] or [(1, 1)]
+    if varying is None:
+        parts = [(shape, (0, 0)) for shape in shapes]
+    elif varying[0] * varying[1] <= most:
+        parts = [(varying, (0, 0))]
+    else:
+        parts = list(_parts_of(varying, shapes))
+    found = [np.linalg.eigvals(_jacobian(network, output, *part, side)) for part in parts for side in (0, 1)]
     return np.concatenate(found).astype(complex)
 
 
-def _jacobian(network: LayeredTemplate, output: Characteristic, shape: tuple[int, int], side: int) -> Floats:
+def _grid_of_weights(network: LayeredTemplate) -> tuple[int, int] | None:
+    """Return the grid of space-variant weights, None if there are none."""
+    weights = [term.weights for layer in network.layers for term in layer.feedback_terms if term.weights.ndim == 4]
+    return (weights[0].shape[2], weights[0].shape[3]) if weights else None
+
+
+def _parts_of(grid: tuple[int, int], shapes: Sequence[tuple[int, int]]) -> Iterator[tuple[Shape, Shape]]:
+    """Yield (shape, first cell) of parts of a grid: `_PLACES` along each axis."""
+    for shape in shapes:
+        if shape[0] <= grid[0] and shape[1] <= grid[1]:
+            rows, cols = (
+                np.unique(np.linspace(0, n - m, _PLACES).astype(int)) for n, m in zip(grid, shape, strict=True)
+            )
+            yield from ((shape, (int(row), int(col))) for row in rows for col in cols)
+
+
+def _jacobian(network: LayeredTemplate, output: Characteristic, shape: Shape, at: Shape, side: int) -> Floats:
     cells, layers = shape[0] * shape[1], len(network.layers)
     total = np.zeros((layers, layers, cells, cells))
     for number, layer in enumerate(network.layers):
         total[number, number] += output.slopes[1] * coupling(layer.A, shape, fixed(0)) - np.eye(cells)
         for term in layer.feedback_terms:
-            if term.times is None and not term.delay and term.weights.ndim == 2:
+            if term.times is None and not term.delay:
                 rise = term.slopes[side]
-                for quantity, other, matrix in _parts(term, number, shape):
+                for quantity, other, matrix in _parts(term, number, shape, at):
                     if quantity != "u":
                         total[number, other] += rise * (output.slopes[1] if quantity == "y" else 1.0) * matrix
         total[number] /= network.time_constants[number]
     return total.transpose(0, 2, 1, 3).reshape(layers * cells, layers * cells)
 
 
-def _parts(term: Term, own: int, shape: tuple[int, int]) -> Iterator[tuple[str, int, Floats]]:
+def _parts(term: Term, own: int, shape: Shape, at: Shape) -> Iterator[tuple[str, int, Floats]]:
     """Yield (quantity, layer, matrix) of the values that a term reads: neighbours, and the centre of a difference."""
-    matrix = coupling(term.weights, shape, fixed(0))
+    if term.weights.ndim == 2:
+        matrix, total = coupling(term.weights, shape, fixed(0)), float(term.weights.sum()) * np.ones(shape)
+    else:
+        weights = term.weights[:, :, at[0] : at[0] + shape[0], at[1] : at[1] + shape[1]]
+        matrix, total = _coupling(weights), weights.sum(axis=(0, 1))
     yield term.of.neighbour, own if term.layer is None else term.layer, matrix
     if term.of.centre is not None:
-        yield term.of.centre, own, -float(term.weights.sum()) * np.eye(len(matrix))
+        yield term.of.centre, own, -np.diag(total.ravel())
+
+
+def _coupling(weights: Floats) -> Floats:
+    """Return the matrix (cells, cells) of space-variant weights (side, side, rows, cols); virtual cells are omitted."""
+    side, _, rows, cols = weights.shape
+    matrix = np.zeros((rows, cols, rows + side - 1, cols + side - 1))
+    here = np.indices((rows, cols))
+    for k, l in np.ndindex(side, side):
+        matrix[(*here, here[0] + k, here[1] + l)] = weights[k, l]
+    r = side // 2
+    return matrix[:, :, r : r + rows, r : r + cols].reshape(rows * cols, rows * cols)
 
 
 def _decay(layer: Template, output: Characteristic) -> float:

@@ -7,6 +7,7 @@ from typing import Literal
 
 from cnnsim.planning.scheme import Scheme
 from cnnsim.support import InputError
+from cnnsim.support.notices import Notices
 from cnnsim.support.values import is_number
 
 Duration = float | Literal["settled"]
@@ -48,25 +49,33 @@ def divided(duration: Duration, h: float) -> float:
     return h if steps > 1 and abs(steps * h - duration) <= 1e-9 * duration else duration / steps
 
 
-def check_step(step: float, longest: float, scheme: Scheme, verdict: str) -> None:
-    """Raise InputError for a step that is not positive or is longer than ``longest``: then it ``verdict``."""
+def check_step(step: float, longest: float, scheme: Scheme, verdict: str, *, forced: bool = False) -> None:
+    """Raise InputError for a step that is not positive or is longer than ``longest``: then it ``verdict``.
+
+    A ``forced`` step may be longer; one warning is issued.
+    """
     if not is_number(step) or not 0 < step < inf:
         raise InputError(f"step {step!r}; a positive number of time constants wanted")
     if step > longest * (1 + 1e-9):
-        raise InputError(f"step {step:g} {verdict}: {scheme.name} on this template needs a step below {longest:.6g}")
+        what = f"step {step:g} {verdict}: {scheme.name} on this template"
+        if not forced:
+            cure = "; name the scheme as well to force it" if verdict == "may be unstable" else ""
+            raise InputError(f"{what} needs a step below {longest:.6g}{cure}")
+        Notices.once(f"{what} is certainly stable below {longest:.6g}")
 
 
 def timed_step(
     scheme: Scheme, step: float | None, longest: float, duration: Duration, delays: Sequence[float],
-    periods: Sequence[float], turning: float,
+    periods: Sequence[float], turning: float, *, forced: bool,
 ) -> tuple[float, str]:  # fmt: skip
     """Return the step of a network that may have delays and sequences, and the reason for it.
 
-    Delays and holding times are whole numbers of steps: nothing is interpolated. ``turning`` as in `usual_step`.
+    Delays and holding times are whole numbers of steps: nothing is interpolated. ``turning`` as in `usual_step`,
+    ``forced`` as in `check_step`.
 
     Raises:
-        InputError: a step that may be unstable, or does not divide a delay or a holding time; a delay with a scheme
-            whose stages are between steps.
+        InputError: a step that may be unstable and is not forced, or does not divide a delay or a holding time; a delay
+            with a scheme whose stages are between steps.
     """
     if delays and not set(scheme.matrix.sum(axis=1)) <= {0.0, 1.0}:
         raise InputError(
@@ -79,8 +88,9 @@ def timed_step(
         most = usual_step(scheme, longest, turning)
         check_count(max(times, default=0.0), most)
         h = common_step(times, most) if times else most
-        return h, f"at most {most:.4g}" + (" and divides all delays and holding times" if times else "")
-    check_step(step, longest, scheme, "may be unstable")
+        why = f"at most {most:.4g}" + (" and divides all delays and holding times" if times else "")
+        return h, why + (f", for modes that oscillate at {turning:.3g} a time constant" if turning else "")
+    check_step(step, longest, scheme, "may be unstable", forced=forced)
     check_whole_steps(times, step)
     return step, f"as requested; certainly stable below {longest:.4g}"
 

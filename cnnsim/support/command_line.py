@@ -1,7 +1,6 @@
 """Common parts of both command lines: errors as one line and exit code 2, Ctrl-C, progress bars, JSON, examples."""
 
 import json
-import os
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -94,7 +93,6 @@ class CommandGroup(click.Group):
             raise
 
     def _invoked(self, ctx: click.Context) -> Any:
-        os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # waiting threads that spin take the cores of others
         before, Notices.tell = Notices.tell, _tell
         Stopping.command_line = True
         try:

@@ -26,6 +26,8 @@ from cnnsim.support.errors import InputError
 from cnnsim.support.interrupts import listen_to_numba
 
 listen_to_numba()
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+"""Threads that spin while they wait take the cores of others; OpenMP reads this when the first loop starts them."""
 
 _ROOT = Path(__file__).parents[2]
 _IMPORT = re.compile(r"^from ((?:cnnsim|tactile)[.\w]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)

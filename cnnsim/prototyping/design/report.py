@@ -27,12 +27,15 @@ Facts = tuple[dict[str, Any], list[str]]
 
 def designed(
     text: str | None, table: Path | None, pairs: Sequence[str], name: str, folder: Path, boundary: Boundary,
-    norm: Norm, *, replace: bool = False,
+    options: dict[str, Any], *, replace: bool = False,
 ) -> Facts:  # fmt: skip
     """Design templates for a rule, write them, run them on every window, and report.
 
+    Arguments: ``options`` are the norm of the weights and the most templates, as `design_rule` takes them.
+
     Raises:
-        InputError: the rule is wrong, files are there and not to be replaced, or the folder cannot be written.
+        InputError: the rule is wrong or takes too many templates, files are there and not to be replaced, or the folder
+            cannot be written.
     """
     pictures = read_pairs(pairs)
     if text is not None:
@@ -41,7 +44,8 @@ def designed(
         rule = read_table(table)
     else:
         rule = rule_of_pairs(pictures, boundary)
-    found = design_rule(rule, norm)
+    norm: Norm = options["norm"]
+    found = design_rule(rule, norm, options["most"])
     paths = write_design(found, name, boundary, folder, [picture for picture, _ in pictures], replace=replace)
     program = None if found.one_template else paths[-1]
     wrong = wrong_windows(found, program)

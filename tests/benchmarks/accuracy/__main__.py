@@ -19,7 +19,6 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", help="measure only these sections; the others are kept")
     given = parser.parse_args()
     os.environ.setdefault("CNNSIM_POCL_PROCESSOR", "auto")  # without it PoCL may build nothing
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that spin while they wait are counted as work
     sections: dict[str, Callable[[], Section]] = {
         "transients": lambda: transients.section(given.cases), "library": library_signs.section,
         "halfspace": halfspace.section, "bump": bump.section, "inverse": inverse.section,
