@@ -66,8 +66,8 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from cnnsim.program.program import Program
     from cnnsim.result import Result
     from cnnsim.support import InputError
-    from cnnsim.support.pictures.picture import read_picture, write_picture
-    from cnnsim.support.pictures.read import read_pictures
+    from cnnsim.support.pictures.picture import write_picture
+    from cnnsim.support.pictures.read import read_picture, read_pictures
     from cnnsim.support.values import from_gray, to_planes
     from cnnsim.trajectories import Trajectory
     from cnnsim.transient import run_transient, trajectory

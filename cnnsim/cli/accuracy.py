@@ -14,7 +14,7 @@ from cnnsim.support import InputError
 from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.files import check_place, write_rows, writing
-from cnnsim.support.pictures.picture import read_picture
+from cnnsim.support.pictures.read import read_picture
 from cnnsim.support.terminal import echo, say
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from cnnsim.cli.run import json_option
 from cnnsim.support import InputError
 from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import examples, print_json, progress, replace_option
-from cnnsim.support.pictures.picture import read_picture
-from cnnsim.support.pictures.read import read_pictures
+from cnnsim.support.pictures.read import read_picture, read_pictures
 from cnnsim.support.terminal import echo, say, say_table
 
 

@@ -14,8 +14,9 @@ from cnnsim.support.files import writing
 from cnnsim.support.limits import one_line
 from cnnsim.support.memory import check_memory
 from cnnsim.support.pictures.arrays import cnn_values, of_array
-from cnnsim.support.pictures.picture import read_picture, to_image
+from cnnsim.support.pictures.picture import to_image
 from cnnsim.support.pictures.pixels import Levels
+from cnnsim.support.pictures.read import read_picture
 from cnnsim.support.pictures.sequence import PictureOptions
 
 ROWS = 1024

@@ -12,7 +12,7 @@ from cnnsim.prototyping.design.rule import WindowRule, window_text, windows
 from cnnsim.support import Flags, Floats, InputError
 from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown
-from cnnsim.support.pictures.picture import read_picture
+from cnnsim.support.pictures.read import read_picture
 from cnnsim.support.toml_file import located, read_toml
 from cnnsim.support.values import as_numbers
 

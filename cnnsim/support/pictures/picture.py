@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -14,7 +13,7 @@ from cnnsim.support.files import named_file, writing
 from cnnsim.support.keywords import spelled
 from cnnsim.support.limits import check_plain, reason
 from cnnsim.support.memory import LARGE, check_memory
-from cnnsim.support.pictures.pixels import Levels, check_labels, check_reading, pixel_bytes, values_of
+from cnnsim.support.pictures.pixels import pixel_bytes
 from cnnsim.support.pictures.upright import read_through, upright_size
 from cnnsim.support.progress import watcher
 from cnnsim.support.values import Array, Floats, as_numbers, is_whole, largest
@@ -31,28 +30,6 @@ _MORE_THAN_PICTURES = {"MPO", "PSD"}
 _LINE, _LINE_COLOUR = 3, (230, 120, 40)
 """Width [pixels] and colour of the line between planes, which no cell has."""
 _TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more memory"
-
-
-@spelled()
-def read_picture(
-    path: str | Path, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
-) -> Array:
-    """Read a picture of one of `FORMATS` as CNN values (rows, cols); colours become grey, transparency white.
-
-    Arguments: ``binary`` makes everything darker than mid-grey +1 and the rest -1; ``levels`` (black, white) are the
-    numbers that stand for them in a grey picture whose file does not say it; ``dtype`` of the array.
-
-    Raises:
-        InputError: the file is missing or no picture, holds several, has a range that is not known (see
-            `cnnsim.support.pictures.pixels`), or does not fit into memory.
-    """
-    check_reading(levels, dtype)
-    with opened(path) as image:
-        if pictures_in(image) > 1:
-            raise InputError(f"{path} holds {pictures_in(image)} pictures; one wanted (read_pictures reads all)")
-        check_size(image, str(path), np.dtype(dtype).itemsize)
-        check_labels(image, str(path), levels)
-        return values_of(image, str(path), binary=binary, levels=levels, dtype=dtype)
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Sequences of pictures from files, a folder, an animation, a video or a NumPy file."""
+"""Pictures and sequences of pictures from files, a folder, an animation, a video or a NumPy file."""
 
 import re
 from collections.abc import Sequence
@@ -19,6 +19,27 @@ from cnnsim.support.pictures.pixels import Levels, check_reading
 from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence, of_file, of_video, size_text
 from cnnsim.support.progress import watcher
 from cnnsim.support.values import Array
+
+
+@spelled()
+def read_picture(
+    path: str | Path, *, binary: bool = False, levels: Levels | None = None, dtype: Any = np.float64
+) -> Array:
+    """Read one picture as CNN values (rows, cols); colours become grey, transparency white.
+
+    Arguments: ``path`` as in `read_pictures`; ``binary`` makes everything darker than mid-grey +1 and the rest -1;
+    ``levels`` (black, white) are the numbers that stand for them in a grey picture whose file does not say it;
+    ``dtype`` of the array.
+
+    Raises:
+        InputError: the file is missing or no picture of one of `picture.FORMATS`, holds several, has a range that is not known (see
+            `cnnsim.support.pictures.pixels`), or does not fit into memory.
+    """
+    check_reading(levels, dtype)
+    whole = sequence_of([path], PictureOptions(binary, levels, dtype))
+    if (count := whole.count()) > 1:
+        raise InputError(f"{path} holds {count} pictures; one wanted (read_pictures reads all)")
+    return next(whole.pictures())
 
 
 @spelled()
