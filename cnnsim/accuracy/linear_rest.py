@@ -128,12 +128,12 @@ def is_stable(leak: Any, neutral: float = _NEUTRAL) -> bool | None:
 
 
 def _slowest(leak: Any, neutral: float) -> bool | None:
-    """Return whether the mode of the smallest real part decays, found by Arnoldi's iteration."""
+    """Return whether the mode of the smallest real part decays; Arnoldi's iteration for one mode may miss it."""
     from scipy.sparse.linalg import ArpackError, eigs  # slow to import, and only needed here
 
     start = np.random.default_rng(0).normal(size=leak.shape[0])
     try:
-        slowest = eigs(leak, k=1, which="SR", v0=start, maxiter=_ITERATIONS, return_eigenvectors=False)
+        slowest = eigs(leak, k=6, ncv=80, which="SR", v0=start, maxiter=_ITERATIONS, return_eigenvectors=False)
     except ArpackError:
         return None
     return bool(slowest.real.min() >= -neutral * abs(leak).sum(axis=1).max())

@@ -139,9 +139,8 @@ class Execution:
                 end = partial(verify_settled, backend, plan, outcome, u, bias, mask, SETTLED_DISTANCE)
                 outcome = end()[0] if self._on_engine is None else self._on_engine.backend.seen(outcome, end)
         if step.duration == "settled" and not outcome.settled:
-            raise InputError(
-                f"{step.where}: has not settled after {outcome.t:g} time constants; |dx/dt| {outcome.rate:.3g}"
-            )
+            rate = "" if math.isnan(outcome.rate) else f"; |dx/dt| {outcome.rate:.3g}"
+            raise InputError(f"{step.where}: has not settled after {outcome.t:g} time constants{rate}")
         return outcome.x
 
     def _until_unchanged(self, step: UntilUnchangedStep) -> None:

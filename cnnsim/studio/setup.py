@@ -16,7 +16,7 @@ from cnnsim.studio.pictures import SIDES, make_picture, moving
 from cnnsim.support import Array, InputError
 from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown
-from cnnsim.support.pictures.picture import read_picture
+from cnnsim.support.pictures.read import read_picture
 from cnnsim.support.values import is_number
 from cnnsim.task import Task, make_task
 

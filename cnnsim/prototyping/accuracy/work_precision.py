@@ -9,9 +9,10 @@ import numpy as np
 
 from cnnsim import backends
 from cnnsim.accuracy.solve import solve
+from cnnsim.accuracy.step_refinement import longest_step
 from cnnsim.accuracy.tolerance import EXACT
 from cnnsim.backends.base import NotFiniteError
-from cnnsim.planning.scheme import SCHEMES
+from cnnsim.planning.scheme import SCHEMES, find_scheme
 from cnnsim.support import Floats, InputError
 from cnnsim.task import make_task
 
@@ -50,6 +51,9 @@ def measured(
     """
     name, dtype, scheme, step = setting
     try:
+        plan = make_task(**given).plan
+        if plan.method == "general" and step > longest_step(plan, find_scheme(scheme)):
+            return None
         task = make_task(**given, scheme=scheme, step=step)
         where = backends.get(name, dtype)
         best = np.inf

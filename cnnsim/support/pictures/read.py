@@ -32,8 +32,8 @@ def read_picture(
     ``dtype`` of the array.
 
     Raises:
-        InputError: the file is missing or no picture of one of `picture.FORMATS`, holds several, has a range that is not known (see
-            `cnnsim.support.pictures.pixels`), or does not fit into memory.
+        InputError: the file is missing or no picture of one of `FORMATS`, holds several, has a range that is not known
+            (see `cnnsim.support.pictures.pixels`), or does not fit into memory.
     """
     check_reading(levels, dtype)
     whole = sequence_of([path], PictureOptions(binary, levels, dtype))

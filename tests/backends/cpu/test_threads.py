@@ -1,5 +1,8 @@
 """The number of threads is checked, and changes the time alone."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +52,25 @@ def test_layers_and_delays_are_the_same_on_any_number_of_threads() -> None:
     assert np.array_equal(one, ends)
     like = run_transient(layers, state=state, duration=1.0, boundary=PERIODIC, backend="reference").x
     assert np.allclose(ends, like, atol=1e-5)
+
+
+def test_waiting_threads_sleep() -> None:
+    """OpenMP prints what it has read when the first loop starts its threads."""
+    code = (
+        "import numpy as np; from cnnsim.backends.cpu import planes; x = np.zeros((1, 90, 300));"
+        "import numba; planes.clip.threaded(x, x); print(numba.threading_layer())"
+    )
+    where = {key: value for key, value in os.environ.items() if key != "OMP_WAIT_POLICY"}
+    ran = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**where, "OMP_DISPLAY_ENV": "true"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    if ran.stdout.strip() != "omp":
+        pytest.skip("numba's threads are not those of OpenMP")
+    assert "OMP_WAIT_POLICY = 'PASSIVE'" in ran.stderr
 
 
 def test_a_backend_works_on_its_own_number_and_leaves_that_of_the_process(monkeypatch: pytest.MonkeyPatch) -> None:

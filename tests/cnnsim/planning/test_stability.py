@@ -23,6 +23,7 @@ from cnnsim.planning.plan import make_plan
 from cnnsim.planning.scheme import EULER, SCHEMES, Scheme
 from cnnsim.planning.stability import limit_of, step_limit
 from cnnsim.support import Floats
+from cnnsim.support.notices import Notices
 
 TURNING = [[0, 0, 0], [-3, 0, 3], [0, 0, 0]]
 """Not symmetric: the modes of a row are -1 + 6 i cos(...)."""
@@ -68,8 +69,24 @@ def test_the_plan_follows_what_turns_and_decays(template: Template, backend: str
     for scheme in (None, *SCHEMES):
         end = run_transient(template, state=x, boundary=fixed(0), duration=30.0, backend=backend, scheme=scheme)
         assert np.abs(end.x).max() < 1e-6
+    if template.terms:
+        return
     with pytest.raises(InputError, match=r"euler on this template needs a step below 0\.0[56]"):
         run_transient(template, state=x, boundary=fixed(0), duration=30.0, scheme="euler", step=0.08)
+
+
+def test_a_step_of_terms_that_may_be_unstable_is_forced_by_naming_the_scheme(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Notices, "_given", set())
+    template, x = Template([[0.0]], terms=[Term(TURNING)]), np.full((4, 4), 0.1)
+    given: dict[str, Any] = {"state": x, "boundary": fixed(0), "duration": 0.8}
+    with pytest.raises(InputError, match=r"rk4 on this template needs a step below .*; name the scheme as well"):
+        run_transient(template, **given, step=0.8)
+    with pytest.warns(
+        RuntimeWarning, match=r"step 0.4 may be unstable: euler on this template is certainly stable"
+    ) as w:
+        for _ in range(2):
+            run_transient(template, **given, scheme="euler", step=0.4)
+    assert len(w) == 1
 
 
 @pytest.mark.parametrize("boundary", [fixed(0), PERIODIC])
@@ -81,7 +98,7 @@ def test_two_layers_that_turn(boundary: Boundary) -> None:
     end = run_transient(network, state=x, boundary=boundary, duration=20.0)
     assert np.abs(end.x).max() < 1e-5
     with pytest.raises(InputError, match="needs a step below"):
-        run_transient(network, state=x, boundary=boundary, duration=20.0, scheme="euler", step=0.1)
+        run_transient(network, state=x, boundary=boundary, duration=20.0, step=0.8)
 
 
 def test_a_mode_that_hardly_decays_does_not_forbid_a_short_run() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cnnsim import fixed, library
+from cnnsim import InputError, fixed, library
 from cnnsim.program.file import load_program
 from cnnsim.prototyping.design.decompose import design_rule
 from cnnsim.prototyping.design.expression import parse_rule
@@ -56,6 +56,21 @@ def test_parity_on_whole_pictures_is_that_of_a_sum(tmp_path: Path) -> None:
         around = np.pad(black, 1).astype(int)
         total = sum(around[k : k + shape[0], l : l + shape[1]] for k in range(3) for l in range(3))
         assert np.array_equal(run_program(program, plane(black), None) > 0, total % 2 == 1)
+
+
+def test_a_state_that_turns_a_rule_takes_one_template_more() -> None:
+    found = design_rule(parse_rule("(ring8 % 2 == 1) xor x"))
+    assert len(found.parts) == 6
+    assert np.array_equal(found.answer(), found.rule.table)
+
+
+def test_more_templates_than_allowed_are_asked_for() -> None:
+    rule = parse_rule("(n + e + s + w) % 2 == 1 and x")
+    with pytest.raises(
+        InputError, match=r"no design of at most 2 templates found; .* more templates \(--most\), wanted"
+    ):
+        design_rule(rule, most=2)
+    assert len(design_rule(rule).parts) > 2
 
 
 @pytest.mark.parametrize("seed", range(4))

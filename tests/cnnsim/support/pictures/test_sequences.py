@@ -38,3 +38,14 @@ def test_the_pages_of_a_small_file_are_bounded_together(tmp_path: Path, monkeypa
     monkeypatch.setattr("cnnsim.support.limits.PACKING", 2)
     with pytest.raises(InputError, match=r"bytes that unpack to 400000; 2 times as many at most wanted"):
         read_pictures(path)
+
+
+def test_one_picture_is_read_from_an_array_file_as_well(tmp_path: Path) -> None:
+    values = np.random.default_rng(0).uniform(-1, 1, (4, 5))
+    np.save(tmp_path / "one.npy", values)
+    np.savez(tmp_path / "one.npz", values)
+    for name in ("one.npy", "one.npz"):
+        assert np.array_equal(read_picture(tmp_path / name), values)
+    np.save(tmp_path / "two.npy", np.stack([values, values]))
+    with pytest.raises(InputError, match="holds 2 pictures; one wanted"):
+        read_picture(tmp_path / "two.npy")
