@@ -1,4 +1,4 @@
-"""Linearisation of a network of terms at a state: its sparse Jacobian by differences, and the distance to its rest."""
+"""Linearisation of a network of terms at a state: its Jacobian by differences, and the distance to its rest."""
 
 import math
 from typing import Any
@@ -7,12 +7,11 @@ import numpy as np
 
 from cnnsim.accuracy.linear_rest import is_stable
 from cnnsim.accuracy.problem import largest
-from cnnsim.accuracy.sparse_solve import MOST_FACTORED, solve_sparse
+from cnnsim.accuracy.sparse_solve import solve_sparse
 from cnnsim.backends.reference.terms import ReferenceNetwork
-from cnnsim.network import LayeredTemplate, reach
 from cnnsim.planning.general import largest_jump
 from cnnsim.planning.plan import Plan
-from cnnsim.support import Array, Flags, Integers
+from cnnsim.support import Array, Flags, Floats, Integers
 
 AT_REST = 1e-13
 """Largest rate that is rounding in float64, for drives of size 1."""
@@ -22,8 +21,8 @@ _KINK = 1e-4
 """Difference of two slopes at a state that shows a kink."""
 _NEUTRAL = 1e-7
 """A mode slower than this part of the fastest one is constant: its digits are those of the differences."""
-_MOST_NUMBERS = 2_000_000
-"""Of all changed states together."""
+_MOST_CELLS = 1024
+"""Of a network that is linearised, in a fraction of a second."""
 
 
 def remaining(plan: Plan, x: Array, planes: Any, mask: Flags | None) -> tuple[float | None, Flags | None]:
@@ -34,9 +33,9 @@ def remaining(plan: Plan, x: Array, planes: Any, mask: Flags | None) -> tuple[fl
     else it is None. Arguments: ``planes`` are input and bias in float64.
     """
     assert plan.network is not None
-    if largest_jump(plan.network, plan.characteristic) or x.size > MOST_FACTORED:
-        return None, None
     shape = (-1, len(plan.network.layers), *plan.shape)
+    if largest_jump(plan.network, plan.characteristic) or -math.prod(shape) > _MOST_CELLS:
+        return None, None
     parts = [None if plane is None else plane.reshape(shape) for plane in (*planes, mask)]
     furthest, unstable, still = 0.0, np.zeros(x.shape, bool), True
     for number, state in enumerate(x.reshape(shape)):
@@ -58,17 +57,20 @@ def _of_grid(plan: Plan, network: ReferenceNetwork) -> float | None:
     cells = np.flatnonzero(free)
     if not cells.size:
         return 0.0
-    if (sides := _leaks(plan, network)) is None:
+    above, below = (_leak(network, cells, step) for step in (_STEP, -_STEP))
+    if np.abs(above - below).max() > _KINK:
         return None
-    above, below = (side[cells][:, cells] for side in sides)
-    if abs(above - below).max() > _KINK:
-        return None
-    leak = (above + below) / 2
-    stable = _is_contracting(leak) if plan.cell == "discrete-time" else is_stable(leak, _NEUTRAL)
+    from scipy.sparse import csc_matrix  # slow to import, and only needed here
+
+    leak = csc_matrix((above + below) / 2)
+    if plan.cell == "discrete-time":
+        stable: bool | None = bool(np.abs(1 - np.linalg.eigvals(leak.toarray())).max() <= 1 + _NEUTRAL)
+    else:
+        stable = is_stable(leak, _NEUTRAL)
     if not stable:
         return None if stable is None else math.inf
-    step = solve_sparse(leak.tocsc(), rates.ravel()[cells], _STEP)
-    return None if step is None else float(np.abs(step).max())
+    step = solve_sparse(leak, rates.ravel()[cells], _STEP)
+    return None if step is None else largest(step)
 
 
 def _rates(network: ReferenceNetwork, x: Array) -> Array:
@@ -82,56 +84,10 @@ def _rates(network: ReferenceNetwork, x: Array) -> Array:
     return np.where(network.free, rates, 0.0)
 
 
-def _leaks(plan: Plan, network: ReferenceNetwork) -> list[Any] | None:
-    """Return the negative Jacobian of the rates for states that rise and that fall, which differ at a kink.
-
-    Cells too far apart to be read together are changed together. None: that are too many numbers.
-    """
-    from scipy.sparse import csr_matrix  # slow to import, and only needed here
-
-    assert plan.network is not None
-    x, r, periodic = network.x, _radius(plan.network), plan.boundary.kind == "periodic"
-    (down, row), (across, col) = (_owners(cells, r, periodic=periodic) for cells in plan.shape)
-    layers, rows, cols = x.shape[1:]
-    colours = layers * down * across
-    if colours * x.size > _MOST_NUMBERS:
-        return None
-    change = np.zeros((layers, down, across, *x.shape[1:]))
-    for layer, a, b in np.ndindex(layers, down, across):
-        change[layer, a, b, layer, a::down, b::across] = _STEP
-    change = change.reshape(colours, *x.shape[1:])
-    there = (row[:, None, :, None] * cols + col[None, :, None, :])[None, :, :, None]  # the changed cell that is near
-    near = ((row[:, None, :, None] >= 0) & (col[None, :, None, :] >= 0))[None, :, :, None]
-    there = there + rows * cols * np.arange(layers).reshape(-1, 1, 1, 1, 1, 1)
-    here, now, found = np.arange(x.size).reshape(layers, rows, cols), _rates(network, x), []
-    for side in (1, -1):
-        slope = (now - _rates(network, x + side * change)) / (side * _STEP)
-        slope = slope.reshape(layers, down, across, layers, rows, cols)
-        known = near & (slope != 0)
-        at = np.broadcast_to(here, slope.shape)[known], np.broadcast_to(there, slope.shape)[known]
-        found.append(csr_matrix((slope[known], at), (x.size, x.size)))
-    return found
-
-
-def _owners(cells: int, r: int, *, periodic: bool) -> tuple[int, Integers]:
-    """Return the distance of cells that are changed together, and (distance, cells) which of them a cell can read."""
-    apart = next((p for p in range(2 * r + 1, cells) if not periodic or cells % p == 0), cells)
-    here = np.arange(cells)
-    behind = (here - np.arange(apart)[:, None] + r) % apart
-    found = here - behind + r
-    if apart == cells:
-        return apart, found % cells
-    near = (behind <= 2 * r) & (periodic | ((found >= 0) & (found < cells)))
-    return apart, np.where(near, found % cells, -1)
-
-
-def _radius(network: LayeredTemplate) -> int:
-    taps = reach((tap.k, tap.l) for layer in network.layers for tap in layer.feedback_taps)
-    return max(taps, *(term.radius for layer in network.layers for term in layer.terms), 0)
-
-
-def _is_contracting(leak: Any) -> bool | None:
-    """Return whether no mode of a discrete-time network grows in a step; None if there are too many cells."""
-    if leak.shape[0] > 400:
-        return None
-    return bool(np.abs(1 - np.linalg.eigvals(leak.toarray())).max() <= 1 + _NEUTRAL)
+def _leak(network: ReferenceNetwork, cells: Integers, step: float) -> Floats:
+    """Return the negative Jacobian (cells, cells) of the rates of some cells, each of which is changed by a step."""
+    x = network.x
+    changed = np.repeat(x.reshape(1, -1), cells.size, axis=0)
+    changed[np.arange(cells.size), cells] += step
+    rates = _rates(network, changed.reshape(-1, *x.shape[1:])) - _rates(network, x)
+    return -rates.reshape(cells.size, -1)[:, cells].T / step

@@ -1,6 +1,6 @@
 """Stability of a network of terms: its modes, linearised with the smallest and the largest slopes of its functions."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from itertools import product
 
@@ -17,8 +17,6 @@ Shape = tuple[int, int]
 
 _SHAPES = ((1, 1), (1, 2), (2, 1), (1, 10), (10, 1), (3, 3), (6, 6))
 _MOST_CELLS = 120
-_PLACES = 3
-"""Places along each axis at which space-variant weights are read on a large grid."""
 
 
 def step_bound(network: LayeredTemplate, output: Characteristic, duration: Duration, scheme: Scheme) -> float:
@@ -45,12 +43,13 @@ def network_modes(network: LayeredTemplate, output: Characteristic) -> Modes:
     layers, varying = len(network.layers), _grid_of_weights(network)
     most = _MOST_CELLS // layers
     shapes = [shape for shape in _SHAPES if shape[0] * shape[1] <= most] or [(1, 1)]
-    if varying is None:
-        parts = [(shape, (0, 0)) for shape in shapes]
-    elif varying[0] * varying[1] <= most:
+    parts = [(shape, (0, 0)) for shape in shapes]
+    if varying is not None and varying[0] * varying[1] <= most:
         parts = [(varying, (0, 0))]
-    else:
-        parts = list(_parts_of(varying, shapes))
+    elif varying is not None:  # first, middle and last cells
+        inside = [shape for shape in shapes if shape[0] <= varying[0] and shape[1] <= varying[1]]
+        places = product(inside, (0.0, 0.5, 1.0), (0.0, 0.5, 1.0))
+        parts = [(s, (int(p * (varying[0] - s[0])), int(q * (varying[1] - s[1])))) for s, p, q in places]
     found = [np.linalg.eigvals(_jacobian(network, output, *part, side)) for part in parts for side in (0, 1)]
     return np.concatenate(found).astype(complex)
 
@@ -59,16 +58,6 @@ def _grid_of_weights(network: LayeredTemplate) -> tuple[int, int] | None:
     """Return the grid of space-variant weights, None if there are none."""
     weights = [term.weights for layer in network.layers for term in layer.feedback_terms if term.weights.ndim == 4]
     return (weights[0].shape[2], weights[0].shape[3]) if weights else None
-
-
-def _parts_of(grid: tuple[int, int], shapes: Sequence[tuple[int, int]]) -> Iterator[tuple[Shape, Shape]]:
-    """Yield (shape, first cell) of parts of a grid: `_PLACES` along each axis."""
-    for shape in shapes:
-        if shape[0] <= grid[0] and shape[1] <= grid[1]:
-            rows, cols = (
-                np.unique(np.linspace(0, n - m, _PLACES).astype(int)) for n, m in zip(grid, shape, strict=True)
-            )
-            yield from ((shape, (int(row), int(col))) for row in rows for col in cols)
 
 
 def _jacobian(network: LayeredTemplate, output: Characteristic, shape: Shape, at: Shape, side: int) -> Floats:
