@@ -69,13 +69,23 @@ class TransientProblem:
         return Solution(x, outcome.t, outcome.settled, outcome.rate, 0.0, none, self.plan, how)
 
     def perturbed(self, where: Backend, roundings: float, seed: int = 0) -> Array:
-        """Return the state with each free cell changed by ``roundings`` units of a backend's rounding, up or down."""
+        """Return the state with each free cell changed by up to ``roundings`` units of a backend's rounding.
+
+        The changes differ, so that they leave any symmetry of the state.
+        """
         state, mask = self.planes[0], self.planes[3]
         least = min(1.0, size_of_drives(self.plan, *self.planes[:3]))
         size = roundings * float(np.finfo(where.dtype).eps) * np.maximum(np.abs(state), least)
-        signs = 2 * np.random.default_rng(seed).integers(0, 2, state.shape, np.int8) - 1
-        x: Array = state + (size * signs if mask is None else np.where(mask, 0, size * signs))
+        size *= changes(state.shape, seed)
+        x: Array = state + (size if mask is None else np.where(mask, 0, size))
         return x.clip(-1, 1) if self.plan.cell == "full-range" else x
+
+
+def changes(shape: tuple[int, ...], seed: int = 0) -> Array:
+    """Return random numbers of a modulus from 1/2 to 1."""
+    rng = np.random.default_rng(seed)
+    signs = 2 * rng.integers(0, 2, shape, np.int8) - 1
+    return signs * rng.uniform(0.5, 1.0, shape)
 
 
 def size_of_drives(plan: Plan, x: Array, u: Any, bias: Any) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from cnnsim.accuracy.linear_rest import find_rest
 from cnnsim.accuracy.linear_system import LinearSystem, linear_system
 from cnnsim.accuracy.linearisation import AT_REST, remaining
-from cnnsim.accuracy.problem import largest, size_of_drives
+from cnnsim.accuracy.problem import changes, largest, size_of_drives
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 from cnnsim.support import Array, Flags, Floats
 
@@ -146,8 +146,8 @@ class SettledState:
 
     def _sensitive(self, start: Array, duration: float, end: Array) -> Flags:
         """Return the cells that end with another sign if the start is changed by a hundred roundings up or down."""
-        change = 100 * np.finfo(start.dtype).eps * size_of_drives(self.plan, start, *self.planes)
-        change = change * np.random.default_rng(0).choice([-1.0, 1.0], start.shape)
+        size = 100 * np.finfo(start.dtype).eps * size_of_drives(self.plan, start, *self.planes)
+        change = size * changes(start.shape)
         ends = [self.run(start.astype(np.float64) + sign, duration) for sign in (change, -change)]
         return np.logical_or(*((one > 0) != (end > 0) for one in ends))
 

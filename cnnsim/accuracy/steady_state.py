@@ -66,7 +66,7 @@ def _signs(problem: TransientProblem, where: Backend, tolerance: Tolerance, last
 
 def _refined(problem: TransientProblem, where: Backend, tolerance: Tolerance, time: float) -> Solution:
     """Return the rest to which step refinement leads, where two plain runs end differently."""
-    path = refine(_until(problem, time), where, replace(tolerance, signs=True))
+    path = refine(_until(problem, time), where, replace(tolerance, signs=True), torn=True)
     return _continued(problem, where, tolerance, path)
 
 

@@ -51,13 +51,13 @@ Run = Callable[[Array, int], Array]
 """(state, steps) -> states (n, ...) on the way, the last one at the end of the transient."""
 
 
-def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> Solution:
+def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance, *, torn: bool = False) -> Solution:
     """Solve a transient of a given duration by shorter and shorter steps, until two runs agree to the tolerance.
 
     The error of the last run is estimated as its largest difference from the one before, and no less than the estimate
     before predicts at one order more than usual, as two runs may agree by chance. Each run starts from a state changed
     by a few roundings, so that the difference also shows how they grow. With ``tolerance.signs`` the runs end when each
-    output differs from 0 by more than its estimated error.
+    output differs from 0 by more than its estimated error; ``torn``: further starts show which signs rounding decides.
     """
     plan, duration = problem.plan, float(problem.plan.duration)
     corrected = is_corrected(problem)
@@ -94,8 +94,8 @@ def refine(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> S
         ratio = _next_ratio(differences[-1], ratio, order, aim)
         ratio = 2.0 ** math.ceil(math.log2(ratio) - 1e-9) if problem.timed else ratio
         before = path
-    if tolerance.signs and not done:  # near a separatrix the errors of the steps decide as well
-        size = _STEP_ERROR / float(np.finfo(where.dtype).eps)
+    if tolerance.signs and (torn or not done):  # near a separatrix the errors of the steps decide as well
+        size = _ROUNDINGS if done else _STEP_ERROR / float(np.finfo(where.dtype).eps)
         for seed in range(_MORE_RUNS):
             other = run(problem.perturbed(where, size, 100 + seed), counts[1])[-1]
             undecided |= problem.free((plan.output(other) > 0) != (plan.output(end) > 0))
