@@ -34,7 +34,7 @@ def remaining(plan: Plan, x: Array, planes: Any, mask: Flags | None) -> tuple[fl
     """
     assert plan.network is not None
     shape = (-1, len(plan.network.layers), *plan.shape)
-    if largest_jump(plan.network, plan.characteristic) or -math.prod(shape) > _MOST_CELLS:
+    if largest_jump(plan.network, plan.characteristic) or math.prod(shape[1:]) > _MOST_CELLS:
         return None, None
     parts = [None if plane is None else plane.reshape(shape) for plane in (*planes, mask)]
     furthest, unstable, still = 0.0, np.zeros(x.shape, bool), True

@@ -47,8 +47,8 @@ class Plan:
 
     ``duration`` is a number of time constants, or ``"settled"``. Settled means that either no output can change any
     more (every free cell has |x| >= 1 and sign(x) (A*y + w) >= 1, so with frozen neighbours it stays saturated), or
-    the network is at rest (|dx/dt| <= 1e-4 in every free cell). That is checked once a time constant, for
-    at most ``limit`` time constants.
+    the network is at rest (|dx/dt| <= 1e-4 in every free cell, and no mode that grows or keeps a constant rate). That
+    is checked once a time constant, for at most ``limit`` time constants.
 
     ``savings`` are the savings that apply; a backend may use them and must give the same output. ``decisions`` are
     (what, why) lines for `explain`. The method "general" takes any template as a ``network`` of layers, with any
