@@ -29,7 +29,7 @@ def to_rest(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> 
     """Return the steady state of a transient, and the cells that no step decides.
 
     Two runs by different steps must agree; where they do not, step refinement follows the transient itself. Signs of
-    saturated cells are compared with a run by accurate steps.
+    saturated cells are compared with a run by accurate steps, as the errors of plain steps may favour one pattern.
     """
     plan, scheme = problem.plan, problem.plan.scheme or EULER
     if (once := _single_step(problem)) is not None:
@@ -52,7 +52,8 @@ def to_rest(problem: TransientProblem, where: Backend, tolerance: Tolerance) -> 
     alike = np.array_equal(last.x > 0, first.x > 0) if tolerance.signs else apart <= tolerance.error
     if alike:
         how = f"steps of {last.plan.step:g} and {first.plan.step:g} lead to one end; {last.how}"
-        return replace(last, error=max(last.error, 0.0 if tolerance.signs else float(apart)), how=how)
+        last = replace(last, error=max(last.error, 0.0 if tolerance.signs else float(apart)), how=how)
+        return _signs(problem, where, tolerance, last) if saturated and not problem.timed else last
     return _refined(problem, where, tolerance, max(first.t, last.t))
 
 

@@ -1,5 +1,7 @@
 """Steady states to an accuracy: monotone transients take one run, others two, which must agree."""
 
+from typing import Any
+
 import numpy as np
 
 from cnnsim import Template, fixed, library, run, run_transient
@@ -53,3 +55,13 @@ def test_grey_rests_near_zero_are_seen_nearer_or_named() -> None:
     named = {tuple(cell) for cell in found.undecided}
     assert {tuple(c) for c in np.argwhere((found.y > 0) != (fine.y > 0))} <= named
     assert found.error <= 1e-5
+
+
+def test_a_pattern_that_plain_steps_choose_wrongly_is_found() -> None:
+    """From a bias of 1e-3 two modes compete: Euler's steps of 0.1 and 0.2 both end in the wrong pattern."""
+    template = Template([[0.0, -0.257, 0.499], [-0.055, 2.111, -0.055], [0.499, -0.257, 0.0]])
+    given: dict[str, Any] = {"state": np.zeros((4, 3)), "bias": np.full((4, 3), 1e-3), "boundary": fixed(0)}
+    fine = run_transient(template, **given, scheme="rk4", step=0.02, dtype="float64").y
+    for step in (0.1, 0.2):
+        assert not np.array_equal(run_transient(template, **given, scheme="euler", step=step).y, fine)
+    assert np.abs(run_transient(template, **given, accuracy=1e-3).y - fine).max() <= 1e-3
