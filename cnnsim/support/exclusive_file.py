@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from cnnsim.support.command_files import CommandFiles
 from cnnsim.support.errors import InputError
 
 
@@ -73,8 +72,6 @@ class NewFile:
 
     def __init__(self, path: Path, replace: bool = False) -> None:
         refuse_existing(path, replace)
-        if CommandFiles.current is not None:
-            CommandFiles.current.begin(path, replace)
         self._path = path
         self._at = name_beside(path) if path.exists() else path
         try:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cnnsim.support import InputError
-from cnnsim.support.command_files import CommandFiles
 from cnnsim.support.exclusive_file import refuse_existing
 from cnnsim.support.files import writing
 from cnnsim.support.notices import Notices
@@ -74,8 +73,6 @@ def new_mcap(path: Path, replace: bool) -> Path:
     if path.suffix != ".mcap":
         raise InputError(f"{path}: suffix {path.suffix!r}, .mcap wanted")
     refuse_existing(path, replace)
-    if CommandFiles.current is not None:
-        CommandFiles.current.claim(path, replace=replace)
     return path
 
 

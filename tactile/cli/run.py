@@ -118,11 +118,9 @@ def run(
         tables(collected, frames.arrays)
     for line in [*_left_on_the_wire(frames), *unread.lines]:
         echo(line, err=True)
-    forces = [abs(one) for event in collected.events for name, one in event.data.items()
-              if name.endswith("_n") and isinstance(one, float)]  # fmt: skip
-    if max(forces, default=0.0) > MOST_NEWTONS:
+    if any("in the unit of the readings" in event.words for event in collected.events):
         words = "if the device sends millinewtons, --gains 0.001,0.001 or gains in the array description are wanted"
-        echo(f"forces of up to {max(forces):.4g} N, where at most {MOST_NEWTONS:g} N are expected: {words}", err=True)
+        echo(f"forces above {MOST_NEWTONS:g} N, which no finger bears: {words}", err=True)
     for array in frames.arrays if mode not in ("off", 0) else ():
         check = collected.tare(array)
         if check is None:

@@ -20,7 +20,7 @@ from tactile.recording import schema
 from tactile.recording.records import Closed, Damage, records
 from tactile.wire.description import Description
 from tactile.wire.description_file import parse_description
-from tactile.wire.source import DAMAGED, Chunk, Repeated, WireSource
+from tactile.wire.source import DAMAGED, Chunk, WireSource
 
 FRAMES = "frames"
 """Metadata entry with the header of frames without wire bytes."""
@@ -32,7 +32,7 @@ FIRST = 4
 
 @dataclass
 class Recorded:
-    """A recording on disk, read from the beginning each time.
+    """A recording on disk, read from the beginning each time; an iterable of its `chunks`.
 
     ``made``: settings it was made with; ``start`` [ns] Unix time at which times are 0; ``counts``: the counters, None
     if it was not closed; ``damage``: descriptions of unreadable parts; ``complete``: it was closed and every checksum
@@ -88,6 +88,8 @@ class Recorded:
             t = chunk.t
             yield chunk
 
+    __iter__ = chunks
+
     def stored_frames(self) -> Iterator[Frame]:
         """Yield the stored frames, before their tare."""
         for record in records(self.path):
@@ -108,7 +110,7 @@ class Recorded:
         """Return the frames before their tare as a ``Source``, decoded from the wire bytes if there are any."""
         if not self.has_wire:
             return StoredSource(self)
-        source = WireSource(self.description, Repeated(self.chunks))
+        source = WireSource(self.description, self)
         choices = self.made.get("choices", "")
         source.provenance = replace(source.provenance, start_ns=self.start, choices=choices, damage=self.mark)
         return source

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 from cnnsim.support.notices import Notices
 from tactile.core.frame import Frame
@@ -25,16 +26,6 @@ class Chunk:
     t: int
     data: bytes = b""
     note: str = ""
-
-
-@dataclass(frozen=True)
-class Repeated:
-    """Chunks that ``read`` reads anew for each iteration."""
-
-    read: Callable[[], Iterator[Chunk]]
-
-    def __iter__(self) -> Iterator[Chunk]:
-        return self.read()
 
 
 class WireSource:
@@ -82,8 +73,10 @@ class WireSource:
         self._begun = True
         decoder, clock, rate, arrange = self.decoder, self.clock, self._rate, self._arrange
         reported: set[str] = set()
-        for chunk in self._ended_chunks():
-            self.arrival = chunk.t
+        t = 0.0
+        for chunk in chain(self._chunks, [Chunk(0, note=ENDED)]):
+            if chunk.note != ENDED:
+                self.arrival, t = chunk.t, chunk.t * 1e-9
             if chunk.note in (TARE, FORCED_TARE):
                 self.tare_requests.append(chunk.note == FORCED_TARE)
             if chunk.note in (UNPLUGGED, DAMAGED):
@@ -91,8 +84,8 @@ class WireSource:
             over = chunk.note in (UNPLUGGED, DAMAGED, ENDED)
             for reading in decoder.finish() if over else decoder.feed(chunk.data):
                 if reading.sequence is None and not self._is_asked:
-                    rate.see(chunk.t * 1e-9)
-                for frame in arrange(reading, clock(reading.t_device, chunk.t * 1e-9)):
+                    rate.see(t)
+                for frame in arrange(reading, clock(reading.t_device, t)):
                     if self._see is not None:
                         self._see(frame)
                     yield frame
@@ -100,11 +93,3 @@ class WireSource:
                 if text and kind not in reported:
                     reported.add(kind)
                     self._warn(text)
-
-    def _ended_chunks(self) -> Iterator[Chunk]:
-        """Yield the chunks and one more at their end."""
-        t = 0
-        for chunk in self._chunks:
-            t = chunk.t
-            yield chunk
-        yield Chunk(t, note=ENDED)
