@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cnnsim.backends.reference.terms import ReferenceNetwork
-from cnnsim.network import Frames, LayeredTemplate, Template, layered, pad
+from cnnsim.network import Boundary, layered
+from cnnsim.network.boundary import virtual_index
 from cnnsim.network.cell import rate
 from cnnsim.network.frames import at_step
 from cnnsim.studio.message import Message
 from cnnsim.studio.run import Run
 from cnnsim.support import Array, InputError
-from cnnsim.task import Task
 
 if TYPE_CHECKING:
     from cnnsim.studio.session import Session
@@ -43,7 +43,7 @@ def cell_facts(run: Run, row: int, col: int, layer: int = 0) -> dict[str, Any]:
     r = patches[0].shape[-1] // 2
     x = np.array([patch[layer, r, r] for patch in patches], np.float64)
     y = np.array([run.task.plan.output(patch)[layer] for patch in patches], np.float64)
-    inputs = [_input_patch(run, step, row, col, r)[layer] for step in steps]
+    inputs = [_input_patch(run, step, row, col, patches[0].shape)[layer] for step in steps]
     feedback = [_weighted(template.A, plane) for plane in y]
     control = [_weighted(template.B, plane) for plane in inputs]
     outputs = y[:, r, r]
@@ -83,45 +83,37 @@ def _route(run: Run, patch: Array, x: float, row: int, col: int, layer: int) -> 
 
 def _drives(run: Run, patch: Array, points: Array, row: int, col: int, layer: int) -> Array:
     """Return the drive of the cell for values of its state, with its neighbours as in the patch."""
-    task, plan = run.task, run.task.plan
-    side = patch.shape[-1]
-    network = layered(plan.network or plan.template)
-    small = replace(plan, network=network, shape=(side, side), step=plan.step or 1.0)
+    plan, side = run.task.plan, patch.shape[-1]
+    small = replace(plan, network=layered(plan.network or plan.template), shape=(side, side))
     x = np.broadcast_to(patch, (len(points), *patch.shape)).copy()
     x[:, layer, side // 2, side // 2] = points
-    u = np.broadcast_to(_input_patch(run, run.index, row, col, side // 2), x.shape)
-    bias = (
-        None if task.bias is None else np.broadcast_to(_bias_patch(task, row, col, side // 2, patch.shape[0]), x.shape)
-    )
-    return ReferenceNetwork(small, x, u, bias, None).drive(x, 0)[:, layer, side // 2, side // 2]
+    u = np.broadcast_to(_input_patch(run, run.index, row, col, patch.shape), x.shape)
+    return ReferenceNetwork(small, x, u, None, None).drive(x, 0)[:, layer, side // 2, side // 2]
 
 
 def _patch(run: Run, x: Array, row: int, col: int) -> Array:
     """Return the states (layers, side, side) around a cell; the side is of the template's radius."""
     plan = run.task.plan
     r = (plan.network or plan.template).radius
-    planes = x if x.ndim == 3 else x[None]
-    return pad(planes, r, plan.boundary, plan.boundary.y)[..., row : row + 2 * r + 1, col : col + 2 * r + 1].astype(
-        np.float64
-    )
+    return _window(x if x.ndim == 3 else x[None], row, col, r, plan.boundary, plan.boundary.y)
 
 
-def _input_patch(run: Run, step: int, row: int, col: int, r: int) -> Array:
-    task = run.task
-    network: Template | LayeredTemplate = task.plan.network or task.plan.template
-    layers = len(layered(network).layers)
+def _input_patch(run: Run, step: int, row: int, col: int, shape: tuple[int, ...]) -> Array:
+    """Return the input of the same shape."""
+    task, boundary = run.task, run.task.plan.boundary
     if task.input is None:
-        return np.zeros((layers, 2 * r + 1, 2 * r + 1))
-    held = at_step(task.input, max(0, step - 1), task.plan.step) if isinstance(task.input, Frames) else task.input
-    planes = held if held.ndim == 3 else np.broadcast_to(held, (layers, *held.shape))
-    around = pad(planes, r, task.plan.boundary, task.plan.boundary.u)
-    return around[..., row : row + 2 * r + 1, col : col + 2 * r + 1].astype(np.float64)
+        return np.zeros(shape)
+    held = np.asarray(at_step(task.input, step - 1, task.plan.step))
+    planes = held if held.ndim == 3 else np.broadcast_to(held, (shape[0], *held.shape))
+    return _window(planes, row, col, shape[-1] // 2, boundary, boundary.u)
 
 
-def _bias_patch(task: Task, row: int, col: int, r: int, layers: int) -> Array:
-    assert isinstance(task.bias, np.ndarray)
-    planes = np.broadcast_to(task.bias, (layers, *task.plan.shape))
-    return pad(planes, r, task.plan.boundary, 0.0)[..., row : row + 2 * r + 1, col : col + 2 * r + 1]
+def _window(planes: Array, row: int, col: int, r: int, boundary: Boundary, constant: float) -> Array:
+    places = zip(planes.shape[-2:], (row, col), strict=True)
+    i, j = (virtual_index(cells, r, boundary)[at : at + 2 * r + 1] for cells, at in places)
+    patch = planes[..., i[:, None], j].astype(np.float64)
+    patch[..., (i < 0)[:, None] | (j < 0)] = constant
+    return patch
 
 
 def _weighted(weights: Array, patch: Array) -> Array:

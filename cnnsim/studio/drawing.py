@@ -1,14 +1,14 @@
 """Drawing in planes, and other pictures for them."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cnnsim.studio.colours import values
 from cnnsim.studio.message import Message
 from cnnsim.studio.pictures import SIDES, make_picture, with_noise
-from cnnsim.support import Array
+from cnnsim.support import InputError
 
 if TYPE_CHECKING:
     from cnnsim.studio.session import Session
@@ -28,29 +28,21 @@ def _draw(session: "Session", message: Message) -> Message:
         session.paint(x)
         return Message({"is": "drawn"})
     if plane == "start":
-        own = setup.takes_second and setup.second is not None
-        start = setup.second.copy() if own and setup.second is not None else _start_of(session, message)
-        start[where] = patch
         roles = setup.entry.initial_state
-        entry = (
-            setup.entry
-            if setup.takes_second or isinstance(roles, tuple)
-            else replace(setup.entry, initial_state="given")
-        )
+        if isinstance(roles, tuple) and not setup.takes_second:
+            raise InputError("x(0) of this network of layers is given by its file")
+        start = np.array(session.layer(session.run.task.state, message), np.float64).clip(-1, 1)
+        start[where] = patch
+        entry = setup.entry if setup.takes_second else replace(setup.entry, initial_state="given")
         session.change(replace(setup, entry=entry, second=start))
-        return session.receive(Message({"do": "planes", **_shown(message)}))
+        return _replied(session, message)
     picture = setup.picture.copy()
     if picture.ndim == 3:
         picture[message.whole("frame", 0, len(picture) - 1, 0)][where] = patch
     else:
         picture[where] = patch
     session.change(replace(setup, picture=picture, made=None), live=message.content.get("live") is True)
-    return session.receive(Message({"do": "planes", **_shown(message)}))
-
-
-def _start_of(session: "Session", message: Message) -> Array:
-    state = np.array(session.layer(np.asarray(session.run.task.state), message), np.float64)
-    return state.clip(-1, 1)
+    return _replied(session, message)
 
 
 def _picture(session: "Session", message: Message) -> Message:
@@ -68,11 +60,12 @@ def _picture(session: "Session", message: Message) -> Message:
     else:
         setup = setup.on_grid(grid)
     session.change(setup)
-    return session.receive(Message({"do": "planes", **_shown(message)}))
+    return _replied(session, message)
 
 
-def _shown(message: Message) -> dict[str, Any]:
-    return {key: message.content[key] for key in ("layer", "frame") if key in message.content}
+def _replied(session: "Session", message: Message) -> Message:
+    """Reply with the layer and the frame that the page shows."""
+    return session.receive(Message({**message.content, "do": "planes"}))
 
 
 HANDLERS = {"draw": _draw, "picture": _picture}

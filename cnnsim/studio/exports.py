@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cnnsim.formats.files import WRITERS
+from cnnsim.library.entry import LibraryEntry
 from cnnsim.library.write import template_text
 from cnnsim.network import LayeredTemplate, Template
 from cnnsim.studio.link import link_of
@@ -26,69 +27,59 @@ FILM_FRAMES = 60
 """Pictures of a film, at most."""
 
 
+def has_file(setup: Setup) -> bool:
+    """Return whether a template file of its own is needed: for other numbers, or another x(0)."""
+    return setup.changed or setup.entry.initial_state != setup.own.initial_state
+
+
 def file_name(setup: Setup) -> str:
-    """Return the name of a template file, which is not that of the library where the numbers differ."""
-    return f"{setup.entry.name}-changed" if setup.changed else setup.entry.name
+    """Return the name of the template's file."""
+    return setup.entry.name + "-changed" * has_file(setup)
 
 
-def command_line(setup: Setup) -> str:
-    """Return the command that runs the setup on picture.png; a changed template is a file of its own."""
-    entry, own = setup.entry, setup.own
-    words = ["cnnsim run", f"{file_name(setup)}.toml" if setup.changed else entry.name, "picture.png", "-o out.png"]
-    if setup.takes_second:
-        words.append("--state start.png")
-    if setup.changed:
-        return " ".join(words)  # the file has the rest
-    if entry.boundary != own.boundary:
-        words.append(f"--boundary {boundary_text(entry.boundary)}")
-    if entry.cell != own.cell:
-        words.append(f"--cell {entry.cell.model}")
-    if entry.duration != own.duration and entry.duration != "settled":
-        words.append(f"--time {entry.duration:g}")
-    chosen = {"scheme": setup.scheme, "step": entry.step, "accuracy": entry.accuracy}
-    words += [
-        f"--{key} {value}" for key, value in chosen.items() if value is not None and value != getattr(own, key, None)
-    ]
-    return " ".join([*words, *([f"--backend {setup.backend}"] if setup.backend != "cpu" else [])])
-
-
-def python_text(setup: Setup) -> str:
-    """Return Python that runs the setup on picture.png."""
-    entry, own, lines, names = setup.entry, setup.own, [], {"read_picture", "run", "write_picture"}
-    changes = {"network": _network_code(entry.network)} if setup.changed else {}
-    if entry.initial_state != own.initial_state:
-        changes["initial_state"] = repr(entry.initial_state)
-    name = repr(entry.name)
-    if changes:
-        names |= {"library"} | {word for word in _CLASSES if f"{word}(" in changes.get("network", "")}
-        given = "".join(f",\n    {key}={value}" for key, value in changes.items())
-        lines.append(f"entry = replace(\n    library.load({name}){given},\n)")
-        name = "entry"
-    words = [name, "picture"]
-    if setup.takes_second:
-        lines.append('start = read_picture("start.png")')
-        words.append("state=start")
-    chosen: dict[str, Any] = {
+def _choices(setup: Setup, own: LibraryEntry) -> dict[str, Any]:
+    """Return what a run is told besides template and pictures: what differs from its file."""
+    entry = setup.entry
+    now: dict[str, Any] = {
         "boundary": boundary_text(entry.boundary),
         "cell": entry.cell.model,
         "duration": entry.duration,
     }
     usual: dict[str, Any] = {"boundary": boundary_text(own.boundary), "cell": own.cell.model, "duration": own.duration}
-    chosen |= {"scheme": setup.scheme, "step": entry.step, "accuracy": entry.accuracy, "backend": setup.backend}
+    now |= {"scheme": setup.scheme, "step": entry.step, "accuracy": entry.accuracy, "backend": setup.backend}
     usual |= {"scheme": None, "step": own.step, "accuracy": own.accuracy, "backend": "cpu"}
-    words += [f"{key}={value!r}" for key, value in chosen.items() if value != usual[key]]
-    head = ["from dataclasses import replace", ""] * bool(changes) + [
-        f"from cnnsim import {', '.join(sorted(names))}",
-        "",
+    return {key: value for key, value in now.items() if value != usual[key]}
+
+
+def command_line(setup: Setup) -> str:
+    """Return the command that runs the setup on picture.png; a changed template is in a file of its own."""
+    name = f"{file_name(setup)}.toml" if has_file(setup) else setup.entry.name
+    words = ["cnnsim run", name, "picture.png", "-o out.png", *["--state start.png"] * setup.takes_second]
+    choices = _choices(setup, setup.entry if has_file(setup) else setup.own)
+    words += [
+        f"--{'time' if key == 'duration' else key} {value}" for key, value in choices.items() if value != "settled"
     ]
-    lines = [
-        *head,
-        'picture = read_picture("picture.png")',
-        *lines,
-        f"result = run({', '.join(words)})",
-        'write_picture(result.y, "out.png")',
-    ]
-    return "\n".join(lines) + "\n"
+    return " ".join(words)
+
+
+def python_text(setup: Setup) -> str:
+    """Return Python that runs the setup on picture.png."""
+    entry, own, names = setup.entry, setup.own, {"read_picture", "run", "write_picture"}
+    changes = {"network": _network_code(entry.network)} if setup.changed else {}
+    if entry.initial_state != own.initial_state:
+        changes["initial_state"] = repr(entry.initial_state)
+    head, words, lines = list[str](), [repr(entry.name), "picture"], ['picture = read_picture("picture.png")']
+    if changes:
+        names |= {"library"} | {word for word in _CLASSES if f"{word}(" in changes.get("network", "")}
+        given = "".join(f",\n    {key}={value}" for key, value in changes.items())
+        lines.append(f"entry = replace(\n    library.load({entry.name!r}){given},\n)")
+        head, words[0] = ["from dataclasses import replace", ""], "entry"
+    if setup.takes_second:
+        lines.append('start = read_picture("start.png")')
+        words.append("state=start")
+    words += [f"{key}={value!r}" for key, value in _choices(setup, own).items()]
+    lines += [f"result = run({', '.join(words)})", 'write_picture(result.y, "out.png")']
+    return "\n".join([*head, f"from cnnsim import {', '.join(sorted(names))}", "", *lines]) + "\n"
 
 
 _CLASSES = ("LayeredTemplate", "Table", "Template", "Term")
@@ -120,7 +111,7 @@ def _save(session: "Session", message: Message) -> Message:
     match what:
         case "toml" | "tem":
             entry = replace(setup.entry, name=name, network=_named(setup.entry.network, name))
-            if setup.changed:
+            if has_file(setup):
                 entry = replace(entry, examples=(), margin=None, reference=f"changed from {setup.own.name}")
             text = template_text(entry) if what == "toml" else WRITERS["tem"](entry)
             return _file(f"{name}.{what}", text.encode())

@@ -15,8 +15,8 @@ from cnnsim.planning.step import DEFAULT_STEP
 from cnnsim.support import Array
 from cnnsim.task import Task
 
-MOST_KEPT = 96 * 2**20
-"""Bytes of the kept states; beyond that every second one is dropped."""
+MOST_STATES, MOST_KEPT = 1024, 96 * 2**20
+"""Number and bytes of the kept states; beyond them every second one is dropped."""
 
 
 class Run:
@@ -42,7 +42,6 @@ class Run:
         self.index, self._stride = first, 1
         self.kept: dict[int, Array] = {first: self.x}
         self.seconds, self.cell_steps = 0.0, 0
-        self._settled: dict[int, bool] = {}
         self._pace = 1
         self._of = lru_cache(64)(self._shortened)  # a backend prepares a plan once
 
@@ -80,8 +79,8 @@ class Run:
             took = time.perf_counter() - begin
             self.seconds += took
             self.cell_steps += count * self.x.size
-            self._pace = max(
-                1, min(1024, self._pace * 2 if took < 0.01 else self._pace // 2 if took > 0.04 else self._pace)
+            self._pace = (
+                min(1024, 2 * self._pace) if took < 0.01 else max(1, self._pace // 2) if took > 0.04 else self._pace
             )
             if time.perf_counter() > until:
                 break
@@ -96,16 +95,10 @@ class Run:
         adaptive = plan.scheme is None and plan.method != "closed form" and plan.cell != "discrete-time"
         if self.timed or adaptive:
             return False
-        if self.index not in self._settled:
-            end = self.task.start(
-                self.backend, self.x, replace(plan, duration="settled", limit=0.0, step=plan.step or 1)
-            )
-            if plan.method == "closed form":  # it ends at infinity
-                found = bool(np.abs(plan.output(self.backend.read(end.x)) - self.y).max() < 1e-3)
-            else:
-                found = end.settled
-            self._settled = {**self._settled, self.index: found} if len(self._settled) < 1000 else {self.index: found}
-        return self._settled[self.index]
+        end = self.task.start(self.backend, self.x, replace(plan, duration="settled", limit=0.0))
+        if plan.method != "closed form":
+            return end.settled
+        return bool(np.abs(plan.output(self.backend.read(end.x)) - self.y).max() < 1e-3)  # it ends at infinity
 
     def states(self, indices: list[int]) -> list[Array]:
         """Return the states after ascending numbers of steps; the run stays where it is."""
@@ -130,7 +123,7 @@ class Run:
         if self.index - max(i for i in self.kept if i <= self.index) < self._stride:
             return
         self.kept[self.index] = self.x
-        if len(self.kept) > 4096 or sum(x.nbytes for x in self.kept.values()) > MOST_KEPT:
+        if len(self.kept) > MOST_STATES or len(self.kept) * self.x.nbytes > MOST_KEPT:
             every = sorted(self.kept)
             self.kept = {i: self.kept[i] for i in every[::2]}
             self._stride *= 2

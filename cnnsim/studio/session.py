@@ -1,10 +1,7 @@
 """Session: the model of the playground, which answers the messages of one page."""
 
-import time
 from collections.abc import Callable
 from typing import Any, get_args
-
-import numpy as np
 
 from cnnsim import backends
 from cnnsim.library.write import template_keys
@@ -16,7 +13,7 @@ from cnnsim.studio.link import link_of, read_link
 from cnnsim.studio.message import Message
 from cnnsim.studio.pictures import NAMES
 from cnnsim.studio.run import Run
-from cnnsim.studio.setup import Setup, boundary_text, changed, first_setup, frame_of
+from cnnsim.studio.setup import Setup, boundary_text, changed, first_setup
 from cnnsim.support import Array, InputError
 from cnnsim.support.errors import not_known
 from cnnsim.support.notices import Notices
@@ -103,7 +100,7 @@ class Session:
         """Return what the page shows besides planes."""
         setup, entry, run = self.setup, self.setup.entry, self.run
         return {
-            "is": "session", "name": entry.name, "summary": entry.summary, "reference": entry.reference,
+            "is": "planes", "name": entry.name, "summary": entry.summary, "reference": entry.reference,
             "note": entry.note, "network": template_keys(entry.network), "layers": self.layers(),
             "changed": setup.changed, "input": entry.input, "initial_state": entry.initial_state,
             "second": setup.takes_second, "frames": len(setup.picture) if setup.picture.ndim == 3 else 0,
@@ -141,9 +138,9 @@ def _planes(session: Session, message: Message) -> Message:
     """Reply with the description, the input and the initial state."""
     setup, run = session.setup, session.run
     number = message.whole("frame", 0, 10**6, 0)
-    start = session.layer(np.asarray(run.task.state if run.first == 0 else run.kept[run.first]), message)
-    content = session.described() | {"is": "planes"}
-    return Message(content, [indices(frame_of(setup.picture, number)).tobytes(), indices(start).tobytes()])
+    start = session.layer(run.kept[run.first], message)
+    shown = setup.picture if setup.picture.ndim == 2 else setup.picture[min(number, len(setup.picture) - 1)]
+    return Message(session.described(), [indices(shown).tobytes(), indices(start).tobytes()])
 
 
 def _set(session: Session, message: Message) -> Message:
@@ -174,7 +171,7 @@ def _frame(session: Session, message: Message) -> Message:
     content = {
         "is": "frame", "index": run.index, "t": run.t, "first": run.first, "arrived": arrived, "ended": ended,
         "settled": ended and run.index != run.last, "last": run.last, "shape": shown.shape,
-        "seconds": run.seconds - seconds, "cell_steps": run.cell_steps - steps, "at": time.time(),
+        "seconds": run.seconds - seconds, "cell_steps": run.cell_steps - steps,
     }  # fmt: skip
     return Message(content, [indices(shown).tobytes()])
 

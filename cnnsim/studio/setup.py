@@ -1,4 +1,4 @@
-"""Setup: what is run, on which picture and how, and its link, a text that holds all of it."""
+"""Setup: what is run, on which picture, and how."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from cnnsim import library
-from cnnsim.library.entry import LibraryEntry
+from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.library.read_network import read_template
 from cnnsim.library.write import template_keys
-from cnnsim.network import AnyTemplate, Boundary, Frames, parse_boundary
+from cnnsim.network import AnyTemplate, Boundary, parse_boundary
 from cnnsim.network.characteristic import Cell
 from cnnsim.studio.pictures import SIDES, make_picture, moving
 from cnnsim.support import Array, InputError
@@ -51,11 +51,9 @@ class Setup:
 
     def task(self, **changes: Any) -> Task:
         """Return the checked task."""
-        second = self.second if self.takes_second else None
-        if self.takes_second and second is None:
-            second = np.full(self.grid, -1.0)
-        given = self.entry.task(self.picture, second)
-        given = self.entry.changed(given, {key: value for key, value in (("scheme", self.scheme),) if value})
+        white = np.full(self.grid, -1.0) if self.second is None else self.second
+        given = self.entry.task(self.picture, white if self.takes_second else None)
+        given = self.entry.changed(given, {"scheme": self.scheme} if self.scheme else {})
         return make_task(self.entry.network, **self.entry.changed(given, changes))
 
     def on_grid(self, grid: tuple[int, int]) -> "Setup":
@@ -100,19 +98,28 @@ def first_setup(name: str, grid: tuple[int, int] = (64, 64), picture: str = "cur
     return Setup(entry, entry, np.zeros((1, 1)), (picture, seed)).on_grid(grid)
 
 
+def example_of(entry: LibraryEntry, number: int) -> Example:
+    """Return an example of a number.
+
+    Raises:
+        InputError: there is none.
+    """
+    if number >= len(entry.examples):
+        raise InputError(f"example {number} of {entry.name!r}, which has {len(entry.examples)}")
+    return entry.examples[number]
+
+
 def example_setup(entry: LibraryEntry, number: int = 0) -> Setup:
     """Return the setup of a template on one of its worked examples.
 
     Raises:
         InputError: it has no such example.
     """
-    if number >= len(entry.examples):
-        raise InputError(f"example {number} of {entry.name!r}, which has {len(entry.examples)}")
-    shown = entry.examples[number]
-    picture = shown.state if shown.input is None else shown.input
+    example = example_of(entry, number)
+    picture = example.state if example.input is None else example.input
     assert picture is not None
     setup = Setup(entry, entry, picture if picture.ndim == 2 or entry.frame_time else picture[0])
-    second = None if shown.state is None or shown.state.ndim > 2 else shown.state
+    second = None if example.state is None or example.state.ndim > 2 else example.state
     return replace(setup, second=second if setup.takes_second else None)
 
 
@@ -187,9 +194,3 @@ def network_of(data: Any, name: str) -> AnyTemplate:
     errors.raise_all()
     assert network is not None
     return network
-
-
-def frame_of(value: Any, index: int) -> Array:
-    """Return one plane of a sequence, or the plane itself."""
-    planes = value.planes if isinstance(value, Frames) else value if value.ndim == 3 else (value,)
-    return np.asarray(planes[min(index, len(planes) - 1)])

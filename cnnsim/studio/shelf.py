@@ -12,7 +12,7 @@ from cnnsim.library.entry import Example, LibraryEntry
 from cnnsim.network import LayeredTemplate
 from cnnsim.studio.colours import indices
 from cnnsim.studio.message import Message
-from cnnsim.studio.setup import Setup, example_setup
+from cnnsim.studio.setup import Setup, example_of, example_setup
 from cnnsim.support import Array, InputError
 
 if TYPE_CHECKING:
@@ -58,12 +58,6 @@ def load_template(setup: Setup, name: str, example: int | None = None) -> Setup:
     return fresh.with_picture(setup.picture[0] if setup.picture.ndim == 3 else setup.picture, setup.made)
 
 
-def _example_of(entry: LibraryEntry, number: int) -> Example:
-    if number >= len(entry.examples):
-        raise InputError(f"example {number} of {entry.name!r}, which has {len(entry.examples)}")
-    return entry.examples[number]
-
-
 def _template(session: "Session", message: Message) -> Message:
     """Take another template of the library, on the present picture or on its example of a number."""
     number = message.whole("example", 0, 1000) if "example" in message.content else None
@@ -77,15 +71,14 @@ def _compare(session: "Session", message: Message) -> Message:
     The numbers of the template are the present ones, the rules (boundary, cell, time) those of the page.
     """
     entry, number = session.setup.entry, message.whole("example", 0, 1000, 0)
-    example = _example_of(entry, number)
+    example = example_of(entry, number)
     y, passed, said = _output(entry, example)
     wrong = np.abs(y - example.output) > (0.01 if example.tolerance is None else example.tolerance)
     layer = message.whole("layer", 0, session.layers() - 1, 0)
     given = example.state if example.input is None else example.input
     planes = [_flat(plane, layer) for plane in (given, example.output, y, wrong)]
-    content = {"is": "compared", "example": number, "of": len(entry.examples), "passed": passed, "said": said,
-               "wrong": int(wrong.sum()), "cells": int(wrong.size), "tolerance": example.tolerance,
-               "shape": planes[1].shape}  # fmt: skip
+    content = {"is": "compared", "example": number, "passed": passed, "said": said,
+               "wrong": int(wrong.sum()), "shape": planes[1].shape}  # fmt: skip
     data = [indices(plane).tobytes() for plane in planes[:3]] + [planes[3].astype(np.uint8).tobytes()]
     return Message(content, data)
 

@@ -78,6 +78,12 @@ class Browser:
         self.page.click("[name=restart]")
         self.until("document.querySelector('[name=clock]').textContent", "t = 0.00")
 
+    def orange(self) -> None:
+        """Wait until a cell in the middle is above +1."""
+        end = time.monotonic() + 20
+        while not (colour := self.pixels(RIGHT)[8, 8].astype(int))[0] > colour[2]:
+            assert time.monotonic() < end
+
     def rest(self) -> None:
         """Play until the network is at rest."""
         self.page.select_option("[name=speed]", "10")
@@ -196,11 +202,27 @@ def test_a_change_while_it_runs_is_seen(browser: Browser) -> None:
     browser.page.click("[name=play]")
     browser.until("Number(document.querySelector('[name=scrub]').value) > 20")
     browser.page.fill("[aria-label='z, bias']", "8")  # now black wins
-    end = time.monotonic() + 20
-    while not (colour := browser.pixels(RIGHT)[8, 8].astype(int))[0] > colour[2]:
-        assert time.monotonic() < end
+    browser.orange()
     assert "Pause" in browser.text("[name=play]")
     browser.page.check("[name=rest]")
+
+
+def test_a_change_at_rest_or_in_between_shows_its_effect(browser: Browser) -> None:
+    browser.open(EMPTY)
+    browser.rest()
+    browser.page.fill("[aria-label='z, bias']", "8")  # it plays again
+    browser.orange()
+    browser.stop()
+    for _ in range(5):
+        browser.page.click("[name=next]")
+    browser.until("document.querySelector('[name=clock]').textContent", "t = 0.50")
+    before = browser.pixels(RIGHT)
+    browser.page.fill("[aria-label='z, bias']", "-4")
+    browser.until("location.hash.includes('weights=')")
+    end = time.monotonic() + 20
+    while np.array_equal(browser.pixels(RIGHT), before):
+        assert time.monotonic() < end
+    assert browser.text("[name=clock]") == "t = 0.50"  # the same time with other numbers
 
 
 def test_rules_change_boundary_cell_scheme_step_accuracy_and_backend(browser: Browser) -> None:

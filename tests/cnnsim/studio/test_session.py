@@ -211,11 +211,11 @@ RULES: list[dict[str, Any]] = [{"scheme": "adaptive"}, {"accuracy": 1e-3}, {"cel
 def test_all_rules_run_forward_and_back(changes: dict[str, Any], session: Session) -> None:
     ask(session, "set", changes=changes)
     ask(session, "frame", by=3)
-    while session.run.index < 12:
+    while session.run.index < 6:
         ask(session, "frame", by=1, rest=True)
     there = session.run.x
-    ask(session, "frame", to=5)
-    ask(session, "frame", to=12)
+    ask(session, "frame", to=2)
+    ask(session, "frame", to=6)
     assert np.array_equal(session.run.x, there)
     ask(session, "cell", row=2, col=3)
 
@@ -295,6 +295,10 @@ def test_the_copied_python_gives_what_runs(name: str, tmp_path: Path, monkeypatc
 def test_the_copied_command_has_what_was_changed() -> None:
     setup = changed(first_setup("hole-filler", GRID), {"boundary": "periodic", "scheme": "rk4", "step": 0.05})
     wanted = "cnnsim run hole-filler picture.png -o out.png --boundary periodic --scheme rk4 --step 0.05"
+    assert command_line(setup) == wanted
+    network = template_keys(setup.entry.network) | {"z": 2}
+    setup = changed(setup, {"network": network, "initial_state": "given"})
+    wanted = "cnnsim run hole-filler-changed.toml picture.png -o out.png --state start.png --scheme rk4"
     assert command_line(setup) == wanted
 
 
