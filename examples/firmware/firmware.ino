@@ -40,9 +40,9 @@ void setup() {
 
 void loop() {
   uint32_t now = micros(), periods = (now - last) / PERIOD;  // the difference is right when micros() wraps
+  uint64_t time = tactile_time(&clock_us, now);                         // also while nothing is sent
   if (!periods || !Serial) return;
   last += periods * PERIOD;
-  uint64_t time = tactile_time(&clock_us, now);
   for (uint8_t finger = 0; finger < FINGERS; finger++) {
     read_taxels(finger, values);
     boards[finger].sequence += periods - 1;  // periods that were missed: the host counts them

@@ -133,13 +133,14 @@ def convert(
     if lerobot is not None:
         _learning_set(source, lerobot, fps or FPS, task, watch, layout)
         return
-    from tactile.export.tared import drawn, open_for_export  # imported when used
+    from tactile.export.tared import drawn, open_for_export, write_ros2  # imported when used
     from tactile.export.tared import tared as after_tare  # the same
 
     if ros2 is not None:
-        writer, exported = need("tactile.export.ros2", "a ROS 2 bag"), open_for_export(source, layout)
+        need("rosbags", "a ROS 2 bag")
+        exported = open_for_export(source, layout)
         frames, start = watch(exported.source, exported.source.frames), provenance(exported.source).start_ns or 0
-        count = writer.write_ros2(ros2, drawn(exported, frames, start, ros=True))
+        count = write_ros2(ros2, drawn(exported, frames, start, ros=True))
         echo(f"wrote {count} messages to {ros2}; to play them: ros2 bag play {ros2}")
         return
     assert target is not None

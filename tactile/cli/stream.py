@@ -67,8 +67,8 @@ def record(
     replace: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Record bytes and frames of a port until Ctrl-C."""
-    description = chosen_description(protocol, array)
     session_of, recording = _session_and_recording()
+    description = chosen_description(protocol, array)
     into = partial(recording, new_mcap(output, replace), description, {"port": port}, replace=replace)
     console.be_steady()
     ending, warn = threading.Event(), console.warn_json if as_json else console.warn
@@ -128,8 +128,8 @@ def live(
     choices = OutputChoices(every_frame, publish, msgpack, drawable, view)
     choices.check(output is not None)
     as_json = as_json or every_frame
-    description = chosen_description(protocol, array)
     session_of, recording = _session_and_recording()
+    description = chosen_description(protocol, array)
     options = LiveOptions(calibration=kept_calibration(calibration, description), **chosen)
     into = None
     if output is not None:

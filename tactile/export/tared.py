@@ -1,4 +1,4 @@
-"""What exports read and write: recordings after the tare of a run, and a new folder for the result."""
+"""Exports of recordings after the tare of a run: frames, messages for viewers, ROS 2 bags."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -60,6 +60,32 @@ def drawn(opened: Opened, frames: Iterable[Frame], start_ns: int, *, ros: bool =
     drawable = Drawable(opened.source.arrays, start_ns, ros=ros)
     for report in pipeline.reports(with_frames(opened.source, frames), opened.settings):
         yield from drawable(report)
+
+
+def write_ros2(folder: Path, messages: "Iterable[Message]") -> int:
+    """Write a ROS 2 bag (SQLite), for `ros2 bag play` and RViz; return the number of messages.
+
+    Its metadata has version 8, which Humble and later releases read.
+
+    Raises:
+        InputError: no messages; the name is taken, or the folder cannot be written.
+    """
+    from rosbags.rosbag2 import StoragePlugin, Writer  # rosbags is slow to import
+
+    from tactile.export.drawable import typestore  # the same
+
+    with new_folder(folder) as made:
+        made.rmdir()  # the library makes it
+        topics, count = {}, 0
+        with Writer(made, version=8, storage_plugin=StoragePlugin.SQLITE3) as bag:
+            for message in messages:
+                if message.topic not in topics:
+                    topics[message.topic] = bag.add_connection(message.topic, message.schema, typestore=typestore())
+                bag.write(topics[message.topic], message.ns, message.data)
+                count += 1
+        if not count:
+            raise InputError(f"{folder}: no frames to write, at least one wanted")
+    return count
 
 
 @contextmanager

@@ -59,7 +59,8 @@ class Publisher:
         self.address, self.sent, self.unsent = address, 0, 0
         self._encode = _packer() if packed else _json
         try:
-            kind, _, _, _, to = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+            found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+            kind, _, _, _, to = min(found, key=lambda one: one[0] != socket.AF_INET)  # as listeners mostly do
         except OSError as error:
             raise InputError(f"--publish {address}: {error.strerror or error}") from error
         self._to: Any = to  # its form depends on the kind of address
