@@ -37,11 +37,11 @@ def sources() -> dict[str, Path]:
 def examples_command(program: str) -> click.Command:
     """Return the command `examples` of a ``program``."""
     epilog = calls(f"{program} examples my-examples", f"{program} examples my-examples --replace")
-    return click.command("examples", epilog=epilog)(write_examples)
+    folder = click.Argument(["folder"], type=click.Path(path_type=Path, file_okay=False))
+    replace = click.Option(["--replace"], is_flag=True, help="Write over files that are there already.")
+    return click.command("examples", epilog=epilog, params=[folder, replace])(write_examples)
 
 
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
-@click.option("--replace", is_flag=True, help="Write over files that are there already.")
 def write_examples(folder: Path, replace: bool) -> None:
     """Write example scripts, scenes and pages into FOLDER.
 
