@@ -16,7 +16,7 @@ class CommandFiles:
     """Files that the running command reads and writes; in Python, without a command, nothing is recorded.
 
     Readers call `note_read`, commands `claim` their outputs before the work, and `cnnsim.support.files.writing` calls
-    `begin`. Files are compared by their resolved paths and inodes, so links and relative names are recognised.
+    `begin` and `end`. Files are compared by their resolved paths and inodes, so links and relative names count.
 
     Arguments: ``tell``: called with each file that was overwritten.
     """
@@ -24,17 +24,18 @@ class CommandFiles:
     current: ClassVar["CommandFiles | None"] = None
 
     def __init__(self, tell: Callable[[Path], None]) -> None:
-        self.replace, self.tell = False, tell
+        self.replace, self._tell = False, tell
         self._read: dict[Key, Path] = {}
         self._claimed: dict[Key, Path] = {}
         self._begun: set[Path] = set()
+        self._ended: set[Path] = set()
 
     def read(self, path: Path) -> None:
         """Record an input, unless this command has written it."""
         keys = _keys(path)
         for key in keys:
             if (output := self._claimed.get(key)) is not None:
-                if output in self._begun:
+                if output in self._ended:
                     return
                 raise _both(output, path)
         self._read.update(dict.fromkeys(keys, path))
@@ -61,6 +62,12 @@ class CommandFiles:
         if not claimed:
             self.claim(path, replace=replace)
         self._begun |= claimed or {path}
+
+    def end(self, path: Path, *, replaced: bool) -> None:
+        """Record an output that is complete: the command may read it."""
+        self._ended |= {self._claimed[key] for key in _keys(path) if key in self._claimed}
+        if replaced:
+            self._tell(path)
 
 
 def _keys(path: Path) -> list[Key]:

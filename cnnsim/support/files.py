@@ -64,8 +64,8 @@ def writing(path: str | Path, *, replace: bool | None = None, follow: bool = Tru
         raise
     except (OSError, ValueError, RuntimeError) as error:  # an ending that the writer does not know; a looping link
         raise InputError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
-    if there and files is not None:
-        files.tell(target)
+    if files is not None:
+        files.end(target, replaced=there)
 
 
 def check_place(*paths: Path | None) -> None:

@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 from cnnsim import InputError, write_picture
 from cnnsim.cli.group import main as cnnsim
 from cnnsim.support.command_files import claim, command_files, note_read
-from cnnsim.support.files import write_text
+from cnnsim.support.files import write_text, writing
 from tactile.cli.group import main as tactile
 from tests.kits.paths import SCENES
 
@@ -89,7 +89,10 @@ def test_a_command_reads_what_it_wrote_and_devices_take_several_outputs(tmp_path
     path, replaced = tmp_path / "x", list[Path]()
     with command_files(replaced.append):
         claim(path)
-        write_text(path, "1")
+        with writing(path) as temporary:
+            temporary.write_text("1")
+            with pytest.raises(InputError, match="is the input"):
+                note_read(path)
         note_read(path)
         for text in "56":
             write_text("/dev/null", text)
