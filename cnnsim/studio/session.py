@@ -149,10 +149,9 @@ def _set(session: Session, message: Message) -> Message:
         raise InputError("changes are missing; an object wanted")
     before = session.setup
     session.change(changed(before, changes), live=message.content.get("live") is True)
-    reply = _planes(session, message)
     if session.setup.entry.initial_state == before.entry.initial_state and session.run.first:
-        reply.buffers = []  # the planes are those that the page has
-    return reply
+        return Message(session.described())  # the planes are those that the page has
+    return _planes(session, message)
 
 
 def _frame(session: Session, message: Message) -> Message:

@@ -366,6 +366,20 @@ def test_a_program_is_a_strip_whose_steps_open(browser: Browser) -> None:
     browser.until("document.querySelector('#name').textContent", "skeleton-1")
 
 
+def test_the_view_renders_for_any_host_as_in_a_notebook(browser: Browser) -> None:
+    browser.page.evaluate("""async () => {
+        const [{SocketModel}, view] = await Promise.all([import('/page/socket.js'), import('/page/view.js')]);
+        const el = document.createElement('div');
+        el.id = 'host';
+        document.body.append(el);
+        const model = new SocketModel(() => view.default.render({model, el}), () => {});
+    }""")
+    browser.until("document.querySelectorAll('#host canvas').length", 4)
+    browser.until("Number(document.querySelector('#host [name=scrub]').value) > 3")
+    browser.page.evaluate("document.querySelector('#host [name=play]').click()")
+    browser.page.evaluate("document.querySelector('#host').remove()")
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", [(1024, 700), (1440, 900)])
 def test_everything_fits_and_can_be_read(scheme: Any, size: tuple[int, int], browser: Browser) -> None:
