@@ -71,7 +71,7 @@ def settled_result(result: Result, where: Backend, outcome: Outcome, u: Any, bia
     if not result.settled:
         away = "far" if result.distance == inf else f"{result.distance:.2g}"
         raise NotSettledError(
-            f"{name} has moved no faster than {SETTLED_RATE:g}, but after {result.t:g} time constants it may be {away} "
+            f"{name} slowed down to |dx/dt| <= {SETTLED_RATE:g}, but after {result.t:g} time constants may be {away} "
             "from its end; give a duration, or a higher limit",
             result,
         )

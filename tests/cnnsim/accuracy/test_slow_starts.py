@@ -23,8 +23,7 @@ ONES = np.ones((3, 4))
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_small_start_leaves_a_separatrix_on_every_backend(name: str) -> None:
-    build(name, None, None)
-    found = run(Template(PULL), state=1e-6 * ONES, boundary=fixed(0), backend=name)
+    found = run(Template(PULL), state=1e-6 * ONES, boundary=fixed(0), backend=build(name, None, None))
     assert (found.y == 1).all()
     assert not len(found.undecided)
 
@@ -39,13 +38,10 @@ def test_no_drive_is_too_small(template: Template, of: str, scale: float) -> Non
 
 
 @pytest.mark.parametrize("cell", [Cell("discrete-time", Characteristic()), Cell("full-range")], ids=str)
-def test_no_cell_model_hides_growth(cell: Cell) -> None:
+def test_no_cell_model_and_no_layer_hides_growth(cell: Cell) -> None:
     assert (run(Template(PULL), state=1e-6 * ONES, boundary=fixed(0), cell=cell).y == 1).all()
-
-
-def test_no_layer_hides_growth() -> None:
-    found = run(LayeredTemplate([TERMS, Template(0.5)]), state=np.stack([1e-7 * ONES, 1e-2 * ONES]), boundary=fixed(0))
-    assert (found.y[0] == 1).all()
+    layers = LayeredTemplate([TERMS, Template(0.5)])
+    assert (run(layers, state=np.stack([1e-7 * ONES, 1e-2 * ONES]), boundary=fixed(0), cell=cell).y[0] == 1).all()
 
 
 def test_a_slow_start_of_oscillations_does_not_settle() -> None:
