@@ -36,8 +36,11 @@ def link_of(setup: Setup) -> str:
         parts["cell"] = now.cell.model
     if now.duration != own.duration:
         parts["time"] = now.duration
-    chosen = {"scheme": setup.scheme, "step": now.step, "accuracy": now.accuracy}
-    parts |= {key: value for key, value in chosen.items() if value is not None}
+    if setup.scheme:
+        parts["scheme"] = setup.scheme
+    for key in ("step", "accuracy"):
+        if (value := getattr(now, key)) != getattr(own, key):
+            parts[key] = "none" if value is None else value
     if setup.backend != "cpu":
         parts["backend"] = setup.backend
     if setup.changed:
@@ -88,7 +91,9 @@ def _unpacked(text: str) -> bytes:
     return data
 
 
-def _number_or_word(text: str) -> float | str:
+def _number_or_word(text: str) -> float | str | None:
+    if text == "none":
+        return None
     try:
         return float(text)
     except ValueError:

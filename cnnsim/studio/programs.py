@@ -40,7 +40,7 @@ class WatchedExecution(Execution):
             self._step(step)
             to = getattr(step, "to", "")
             for name in (to,) if isinstance(to, str) else to:
-                self.steps += 1
+                self.steps += bool(name)
                 if name and len(self.done) < MOST_SHOWN:
                     self.done.append((self.numbers[id(step)], step, name, self.planes[name]))
 

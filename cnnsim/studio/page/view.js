@@ -64,6 +64,7 @@ export class Link {
     this.seen = new Set();
     /** @type {(text: string) => void} */
     this.failed = () => {};
+    /** @type {(busy: boolean) => void} */
     this.waits = () => {};
     model.on("msg:custom", (/** @type {Content} */ content, /** @type {any[]} */ buffers) => {
       const views = (buffers || []).map((b) => (b instanceof Uint8Array ? b : new Uint8Array(b.buffer || b)));
@@ -82,10 +83,13 @@ export class Link {
 
   /** @param {Content} content @param {Uint8Array[]} [buffers] @returns {Promise<Reply>} */
   ask(content, buffers = []) {
-    const id = ++this.number, late = setTimeout(() => this.waits(), 2500);
+    const id = ++this.number;
+    let waited = false;
+    const late = setTimeout(() => this.waits((waited = true)), 2500);
     return new Promise((yes, no) => {
       const over = (/** @type {any} */ call) => (/** @type {any} */ value) => {
         clearTimeout(late);
+        if (waited) this.waits(false);
         call(value);
       };
       this.asked.set(id, { yes: over(yes), no: over(no) });
@@ -195,7 +199,7 @@ export class View {
     this.bind(this.left, () => this.side);
     this.bind(this.right, () => "state");
     link.failed = (text) => this.say(text, true);
-    link.waits = () => this.say("computing; loops are compiled when they are first used");
+    link.waits = (busy) => this.say(busy ? "computing; loops are compiled when they are first used" : "");
     link.seen.add((reply) => {
       if (reply.content.is === "planes") this.planes(reply);
       if (reply.content.notice) this.say(reply.content.notice);

@@ -30,6 +30,7 @@ export class Weights {
   show(session) {
     this.network = structuredClone(session.network);
     for (const part of this.network.layer || [this.network]) part.B ??= [[0]];
+    for (const layer of this.network.layer || []) layer.time_constant ??= 1;
     this.own = session.changed;
     const layers = this.network.layer;
     this.layer = layers ? Math.min(this.layer, layers.length - 1) : 0;
@@ -160,7 +161,7 @@ export class Weights {
     pick.value = String(this.layer);
     this.host.replaceChildren(
       h("p", { class: "equation" }, "dx/dt = −x + A∗y + B∗u + z"),
-      layers.length ? h("label", { class: "field" }, "layer ", pick) : "",
+      layers.length ? h("div", { class: "line points" }, pick, "time constant", this.field(["time_constant"], "time constant of the layer")) : "",
       h("div", { class: "grids" }, this.grid("A", ["A"], "feedback: weights of the neighbours' outputs y"), this.grid("B", ["B"], "control: weights of the neighbours' inputs u")),
       h("div", { class: "z-row" }, h("b", {}, "z"), this.field(["z"], "z, bias"), slider),
       h("div", { class: "line" }, h("label", { class: "field" }, "change together ", lock),

@@ -279,6 +279,14 @@ def test_the_library_is_searched_compared_and_opened(browser: Browser) -> None:
     browser.until("document.querySelector('#name').textContent", "median")
     browser.page.click("#tab-weights")
     assert browser.page.locator(".term").count() == 1
+    browser.page.fill("[aria-label='value 0']", "-0.5")  # of the term's table
+    browser.until("document.querySelector('#name').textContent", "median (changed)")
+    browser.open("template=autowave&size=16x16&picture=dot&seed=0")
+    browser.page.select_option("[name=weights-layer]", "1")
+    browser.page.fill("[aria-label='time constant of the layer']", "2")
+    browser.until("document.querySelector('#name').textContent", "autowave (changed)")
+    browser.page.select_option("[name=layer]", "1")
+    browser.until("document.querySelector('.cw-status').className", "cw-status")
 
 
 def test_failing_chips_are_red(browser: Browser) -> None:

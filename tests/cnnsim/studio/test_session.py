@@ -158,6 +158,8 @@ def test_a_link_holds_everything() -> None:
     task, other = setup.task(), again.task()
     assert np.array_equal(task.state, other.state)
     assert task.plan.decisions == other.plan.decisions
+    free = changed(first_setup("autowave"), {"step": None})  # its file has a step
+    assert read_link(link_of(free)).entry.step is None
     drawn = Setup(setup.entry, setup.own, make_picture("shapes", GRID), None, make_picture("dot", GRID))
     again = read_link(link_of(drawn))
     assert np.array_equal(again.picture, drawn.picture)
