@@ -8,8 +8,9 @@ import numpy as np
 
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.support import Flags, Floats
-from tactile.calibration.live_tare import LiveTare, TareNote
+from tactile.calibration.live_tare import LiveTare, TareMode, TareNote
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.gaps import Gaps
 from tactile.core.noise import Noise, is_noise
 from tactile.core.saturation import Saturation
 from tactile.events.code import Code, encode
@@ -29,6 +30,8 @@ from tactile.texture.figures import Texture, TextureFigures
 from tactile.thresholds.levels import levels
 from tactile.thresholds.threshold import CONTACT, SIGN
 
+RESTART = "all events end, and a new tare is taken"
+"""Consequence of a gap."""
 STILL = 0.6
 """[s] Time without a sign of sliding after which nothing slides."""
 APART = 0.1
@@ -41,11 +44,19 @@ class Finger:
     """One array with its tare, inverse, comparators, detectors and texture figures."""
 
     def __init__(self, array: TaxelArray, modulus: float | None, settings: Settings, number: int = 0) -> None:
+        self.array = array if settings.depth is None else replace(array, depth=settings.depth, thickness=None)
+        self._settings, self._gains, self._radial = settings, settings.gains, settings.radial
+        self._modulus, self._number, self._gaps = modulus, number, Gaps()
+        self.broken: float | None = None
+        self._mode: TareMode = "off" if settings.tare is None else settings.tare
+        self.tare = LiveTare(number, self.array, self._mode, settings.gains)
+        self._start()
+
+    def _start(self) -> None:
+        """Set the state before the first frame, and after a break of the stream, except that of the tare."""
+        array, modulus, settings = self.array, self._modulus, self._settings
         contact = settings.contact or CONTACT[array.quantity]
         machine = UniversalMachine(settings.backend, "float64")
-        self.array = array = array if settings.depth is None else replace(array, depth=settings.depth, thickness=None)
-        self._settings, self._gains, self._radial = settings, settings.gains, settings.radial
-        self.tare = LiveTare(number, array, settings.tare, settings.gains)
         self._signs = settings.shear == SIGN
         self.taxels = Comparators(machine, array.shape, SIGN if self._signs else BINARY, BINARY)
         self._signals, self._pool = Signals(array.shape, array.quantity), PlanePool(machine, array.shape)
@@ -81,8 +92,21 @@ class Finger:
         self._set_noise()
 
     def calibrate(self, raw: Frame) -> Frame:
-        """Return the frame after tare and gains."""
+        """Return the frame after tare and gains.
+
+        After a gap in the times all begins anew, also the tare; ``broken`` is then the time [s] of the frame before it.
+        It is the time of a zero that moved, too; else None.
+        """
+        self.broken = last = self._gaps(raw.t)
+        if last is not None:
+            self.tare = LiveTare(self._number, self.array, self._mode, self._gains)
+            gap = f"no frames from {last:.3f} to {raw.t:.3f} s"
+            self.tare.notes.append(TareNote(self._number, raw.t, gap, None, RESTART, notice=True))
+            self._start()
         frame = self.tare(raw)
+        if self.tare.moved is not None:
+            self.broken, self.tare.moved = self.tare.moved, None
+            self._start()
         if self.tare.noise is not self._noise or (self._noise is None and self.tare.early is not self._early):
             self._set_noise()
         for note in self.tare.notes:
@@ -192,7 +216,7 @@ class Finger:
         lively = whole.unrest > LIVELY and not (pool.black("rising") or pool.black("dropping"))
         if pool.black("slides") or pool.black("driven") or lively:
             self._slid = frame.t
-        if frame.t - self._slid > STILL:
+        if frame.t - self._slid > STILL or not self.array.shear:
             values = self._nothing
         elif self._inverse is not None:
             if self._figures.floor < load.F:

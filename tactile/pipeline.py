@@ -75,7 +75,8 @@ def make_fingers(arrays: Iterable[TaxelArray], modulus: float | None, settings: 
 def run(source: Source, settings: Settings, sinks: Iterable[Sink], fingers: list[Finger] | None = None) -> None:
     """Pass every frame of the source through the pipeline and the report to each sink.
 
-    ``fingers``: the fingers of the source's arrays, if they were made before the first frame.
+    Settings that are None follow from the source, as those of `tactile run`. ``fingers``: the fingers of the source's
+    arrays, if they were made before the first frame.
 
     Raises:
         InputError: a path instead of a source, invalid settings or sinks; as the source itself.
@@ -99,6 +100,7 @@ def reports(source: Source, settings: Settings, fingers: list[Finger] | None = N
     Raises:
         InputError: as the source itself.
     """
+    settings = settings.of(source)
     if fingers is None:
         fingers = make_fingers(source.arrays, source.modulus, settings)
     events = EventBuilder(fingers)
@@ -111,6 +113,7 @@ def reports(source: Source, settings: Settings, fingers: list[Finger] | None = N
                 one.tare.ask(force)
         finger = fingers[raw.finger]
         frame = finger.calibrate(raw)
+        closed = () if finger.broken is None else events.close(finger, finger.broken)
         load = finger.locate(frame)
         transitions = finger.detect(frame, load)
         texture = finger.texture(frame, load)
@@ -122,7 +125,7 @@ def reports(source: Source, settings: Settings, fingers: list[Finger] | None = N
             load,
             texture,
             begun,
-            ended,
+            (*closed, *ended),
             *_tares(finger),
             finger.program_outputs(),
             finger.levels,

@@ -33,7 +33,8 @@ class Settings:
 
     ``shear`` and ``contact``: lower limits of the thresholds [unit of the signal]; ``sigmas``: thresholds as multiples
     of the noise; ``window`` T [frames] and ``floor`` (normal signal) of the texture figures; ``tare``: offsets are
-    taken from still, unloaded frames ("auto"), on request ("manual"), never ("off"), or from a number of frames;
+    taken from still, unloaded frames ("auto"), on request ("manual"), never ("off"), or from a number of frames; None:
+    "auto" for readings of a device with their offsets, else "off";
     ``gains`` from readings to the array's quantity, eq. (15); ``depth`` [m] and ``radial`` correction for locating
     loads, from a calibration scan; ``programs``: users' detectors, files or names of the library; ``backend`` of the
     machine.
@@ -47,7 +48,7 @@ class Settings:
     sigmas: Sigmas = SIGMAS
     window: int = 128
     floor: float | None = None
-    tare: TareMode = "off"
+    tare: TareMode | None = None
     gains: Gains | TaxelGains | None = None
     depth: float | None = None
     radial: "RadialCorrection | None" = None
@@ -69,10 +70,24 @@ class Settings:
                 raise InputError(f"{name} {getattr(self, name)!r}; a number wanted")
         if not isinstance(self.gains, Gains | TaxelGains | None):
             raise InputError(f"gains {self.gains!r}; Gains wanted, such as Gains(shear, normal)")
-        if self.tare not in TARES and not is_whole(self.tare):
+        if self.tare is not None and self.tare not in TARES and not is_whole(self.tare):
             raise InputError(f"tare {self.tare!r}; one of {', '.join(map(repr, TARES))} or a number of frames wanted")
         if isinstance(self.programs, str | Path) or not isinstance(self.programs, Iterable):
             raise InputError(f"programs {shown(self.programs)}; a tuple of files or names wanted")
+
+    def of(self, source: Source) -> Self:
+        """Return the settings of a run: tare of the ``source``, and thresholds of its array file if none is chosen.
+
+        Raises:
+            InputError: the array file in a recording is invalid.
+        """
+        tare = self.tare
+        if tare is None:
+            tare = "auto" if provenance(source).untared else "off"
+        shear, contact, sigmas = self.shear, self.contact, self.sigmas
+        if (shear, contact, sigmas) == (None, None, SIGMAS):
+            shear, contact, sigmas = described(source).thresholds()
+        return replace(self, tare=tare, shear=shear, contact=contact, sigmas=sigmas)
 
     def calibrated(self, skin: "Calibration | TaxelGains", arrays: Iterable[TaxelArray]) -> Self:
         """Return the settings with the gains, depth and radial correction of a skin.

@@ -13,7 +13,7 @@ from tactile.calibration.stillness import MUCH, NEWEST, begins, judge
 from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
-from tactile.core.noise import Noise, early_noise, measured
+from tactile.core.noise import Noise, Steps, early_noise, measured
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
 TareMode = Literal["auto", "manual", "off"] | int
@@ -28,6 +28,8 @@ IDLE = "idle"
 SLOWLY = "drift compensation undone by a slow touch"
 """Reason of an offset without the drift compensation since a slow touch began."""
 CURE = "let nothing touch it, then ask for a tare"
+PULL = 6.0
+"""Standard deviations of a block's mean beyond which a reading is a pull."""
 AFTER = 0.1
 """[s] Time after a contact whose frames are not used: silicone creeps back."""
 
@@ -37,7 +39,7 @@ class TareNote:
     """Result of a block: ``offset`` (rows, cols, 3) if it was taken, else None, and ``why``.
 
     ``detail``: how much was subtracted and which taxels are left out, or what was wrong and what to do; empty for
-    automatic renewals. ``check``: figures of the first offset.
+    automatic renewals. ``check``: figures of the first offset. ``notice``: a fault of the stream that users are shown.
     """
 
     finger: int
@@ -46,6 +48,7 @@ class TareNote:
     offset: Floats | None
     detail: str = ""
     check: TareCheck | None = None
+    notice: bool = False
 
 
 class LiveTare:
@@ -58,6 +61,9 @@ class LiveTare:
     to be still and to press no more than the first frames did, since no load can be detected yet. A block during or
     just after a contact is not used.
     Idle, the offset of force taxels follows their drift (see `IdleDrift`).
+
+    A still block in which force taxels read a pull has another zero: the sensor was pressed during the tare, or its
+    zero moved. The second such block in a row is the new offset, and ``moved`` the time [s] of the fall.
 
     Until there is an offset no taxel is valid, except in mode "off", where there is none and only the ``noise`` is
     measured; "manual" renews on request only; a number N takes the mean of the first N frames, loaded or not.
@@ -90,6 +96,11 @@ class LiveTare:
         self._start: Floats | None = None
         self._early_wanted = True
         self._block: list[Floats] = []
+        self._times: list[float] = []
+        self._before: tuple[list[float], Floats] | None = None  # times and pressing of the block before
+        self._fell: float | None = None
+        self.moved: float | None = None
+        self._steps = Steps(array.shape)
         self._since = 0.0
         self._touched = self._renewed = -np.inf
 
@@ -116,8 +127,9 @@ class LiveTare:
         if not frame.whole:
             values = np.where(frame.valid[..., None], values, np.nan)
         if not self._block:
-            self._since = frame.t
+            self._since, self._times = frame.t, []
         self._block.append(values)
+        self._times.append(frame.t)
         if self._early_wanted and len(self._block) == 2:
             self._early_wanted = False
             with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of taxels without readings
@@ -126,7 +138,9 @@ class LiveTare:
         if len(self._block) == self._frames if counted else self._full(frame.t):
             with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of taxels without readings
                 block = np.array(self._block)
-                self._end_block(frame.t, np.where(np.isfinite(block), block, np.nan))  # no offset is infinite
+                block = np.where(np.isfinite(block), block, np.nan)  # no offset is infinite
+                self._end_block(frame.t, block)
+                self._before = self._times, np.nansum(self._inward * block[..., NORMAL], axis=(1, 2))
             self._block = []
             if counted:  # the frames that were averaged are not to be used
                 return replace(frame, valid=np.zeros_like(frame.valid))
@@ -161,7 +175,11 @@ class LiveTare:
         return len(self._block) >= FRAMES and t - self._since >= self._seconds
 
     def _end_block(self, t: float, block: Floats) -> None:
-        mean, noise = np.nanmean(block, axis=0), measured(block)
+        self._steps.see(block)
+        floor = self._steps.floor
+        mean, noise = np.nanmean(block, axis=0), measured(block).at_least(floor)
+        if self.noise is not None:
+            self.noise = self.noise.at_least(floor)
         what = judge(block, noise, self._limit, self._inward)
         still = what.still
         if self._start is None:
@@ -185,6 +203,11 @@ class LiveTare:
         first, asked, forced = self._offset is None, self._asked, self._forced
         forced = forced or bool(self._frames and first)
         self._asked = self._forced = False
+        pulled = not first and away is not None and self._pulls(away, noise.sigma)
+        fell, self._fell = self._fell, self._fall(block) if pulled and still and self._mode == "auto" else None
+        if fell is not None and self._fell is not None and away is not None and not (asked or forced):
+            self._move(t, fell, mean, away, noise)
+            return
         if not forced and (not still or loaded):
             self._refuse(t, away if away is not None else mean - self._start, still, first or asked, what.far)
         elif first or asked or self._mode == "auto":
@@ -202,6 +225,35 @@ class LiveTare:
             check = self._check(block, t) if first or asked else None
             detail = "" if check is None else "; ".join([_subtracted(check), *(noise.words() if still else [])])
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
+
+    def _pulls(self, away: Floats, sigma: Floats) -> bool:
+        """Return whether most force taxels read a pull beyond limit and noise, and their sum is far beyond them."""
+        press = self._inward * away[..., NORMAL]
+        limit = np.maximum(self._limit, PULL * sigma / np.sqrt(FRAMES))[..., NORMAL]
+        most = bool((press < -limit).sum() * 2 > (press > 0).sum() + 1)
+        return self._array.quantity == "force" and most and float(np.nansum(press)) < -2 * float(np.median(limit))
+
+    def _fall(self, block: Floats) -> float:
+        """Return when the pressing fell: at the steepest step of two blocks, unless it is known."""
+        press = np.nansum(self._inward * block[..., NORMAL], axis=(1, 2))
+        if self._fell is not None:
+            return self._fell
+        times = list(self._times)
+        if self._before is not None:
+            times, press = [*self._before[0], *times], np.concatenate([self._before[1], press])
+        return times[int(np.argmin(np.diff(press))) + 1]
+
+    def _move(self, t: float, fell: float, mean: Floats, away: Floats, noise: Noise) -> None:
+        """Take another zero, to which the readings fell at ``fell`` [s]."""
+        assert self._offset is not None
+        amount = check_tare(self._array, self._in_quantity(away)[None], len(self._block), 0.0).amount
+        self._offset = np.where(np.isfinite(mean), mean, self._offset)
+        self._renewed, self._reported_negative, self._fell, self.moved = t, False, None, fell
+        self._touched = -np.inf
+        self._learn(noise)
+        why = f"the zero moved at {fell:.3f} s"
+        detail = f"{amount}; a still pull is no load: it is the new zero from {t:.3f} s on"
+        self.notes.append(TareNote(self._finger, t, why, self._offset, detail, notice=True))
 
     def _refuse(self, t: float, away: Floats, still: bool, wanted: bool, far: float) -> None:
         """Report why no offset is taken; if most taxels read a pull, the pad was pressed during the tare."""

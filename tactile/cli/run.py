@@ -121,6 +121,9 @@ def run(
     if any("in the unit of the readings" in event.words for event in collected.events):
         words = "if the device sends millinewtons, --gains 0.001,0.001 or gains in the array description are wanted"
         echo(f"forces above {MOST_NEWTONS:g} N, which no finger bears: {words}", err=True)
+    for note in collected.notes:
+        if note.notice:
+            echo(f"{frames.arrays[note.finger].name}: {note.why}: {note.detail}", err=True)
     for array in frames.arrays if mode not in ("off", 0) else ():
         check = collected.tare(array)
         if check is None:

@@ -31,12 +31,14 @@ class _Watch:
 
     log: EventLog = field(default_factory=EventLog)
     levels: dict[tuple[str, str, float], Levels | None] = field(default_factory=dict)
+    notices: list[str] = field(default_factory=list)
     frames: int = 0
     first: float = float("inf")
     last: float = float("-inf")
 
     def __call__(self, report: FrameReport) -> None:
         self.frames += 1
+        self.notices += [f"{report.array.name}: {one.why}: {one.detail}" for one in report.tares if one.notice]
         self.first, self.last = min(self.first, report.frame.t), max(self.last, report.frame.t)
         if report.events or report.ended:
             self.log.add(report.events, report.ended)
@@ -111,7 +113,8 @@ def _run(file: Path, choices: RunChoices) -> tuple[list[dict[str, Any]], dict[st
         "fingers": {array.name: UNITS[array.quantity] for array in opened.source.arrays},
         **settings_data(opened.settings),
         "events": dict(Counter(row["kind"] for row in rows)),
-        "notes": [*opened.notes, *filter(None, [provenance(source).damage, opened.forces])], "unread": unread.lines,
+        "notes": [*opened.notes, *seen.notices, *filter(None, [provenance(source).damage, opened.forces])],
+        "unread": unread.lines,
     }  # fmt: skip
 
 

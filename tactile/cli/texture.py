@@ -80,7 +80,9 @@ def train(
     check_suffix(output)
     claim(output)
     slides = _slides(folder, labels, speed, layout)
-    model, unknown = learn(slides, feature_set(features, window, slides))
+    chosen = feature_set(features, window, slides)
+    _say_shear(chosen.shear)
+    model, unknown = learn(slides, chosen)
     write_model(output, model)
     auroc = sum(unknown.values()) / len(unknown) if unknown else None
     if as_json:
@@ -114,6 +116,7 @@ def classify(
     from tactile.materials.windows import cut  # the same
 
     known = read_model(model)
+    _say_shear(known.features.shear)
     _check_window(window, known.features.window)
     table = cut(_slides(source, labels, speed, layout), known.features, known.features.window)
     notes, told = strange(known, table), told_slides(known, table, confidence)
@@ -168,7 +171,9 @@ def report(
     claim(*(output / name for name in names) if output is not None else ())
     slides = _slides(folder, labels, speed, layout)
     found, tables = [], {}
-    for kind in KINDS:
+    shear = feature_set("full", window, slides).shear
+    _say_shear(shear)
+    for kind in KINDS if shear else KINDS[:1]:
         features = feature_set(kind, window, slides)
         tables[kind] = cut(slides, features, hop(features))
         found.append(assess(tables[kind], features.kind, window))
@@ -180,7 +185,7 @@ def report(
         "results": [one.plain() for one in found],
     }  # fmt: skip
     if output is not None:
-        _write(output, facts, found, full, folder.name)
+        _write(output, facts, found, full if shear else None, folder.name)
     if as_json:
         print_json(facts)
     else:
@@ -188,6 +193,7 @@ def report(
         echo(f"{facts['materials']} materials, {len(slides)} slides, {windows}")
         _print(found)
     if output is not None:
+        names = names[not shear :]
         echo(f"wrote {', '.join(str(output / name) for name in names)}", err=as_json)
 
 
@@ -199,6 +205,11 @@ def _slides(path: Path, labels: Path | None, speed: float | None, layout: Path |
     return slides if speed is None else [changed(one, speed=speed * 1e-3) for one in slides]
 
 
+def _say_shear(shear: bool) -> None:
+    if not shear:
+        echo("no shear: the normal channel alone", err=True)
+
+
 def _check_window(asked: int, learned: int) -> None:
     given = click.get_current_context().get_parameter_source("window")
     if given is click.core.ParameterSource.COMMANDLINE and asked != learned:
@@ -208,7 +219,8 @@ def _check_window(asked: int, learned: int) -> None:
 def _write(folder: Path, facts: dict[str, Any], found: "list[Assessment]", table: Any, title: str) -> None:
     from tactile.materials.plot import draw_confusion, draw_figures
 
-    draw_figures(table, title, folder / "figures.png")
+    if table is not None:  # slides without shear have no figures
+        draw_figures(table, title, folder / "figures.png")
     draw_confusion(found[0], f"{title}, full set", folder / "confusion.png")
     write_text(folder / "report.json", json.dumps(facts, indent=1) + "\n")
 

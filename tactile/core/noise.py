@@ -1,6 +1,6 @@
 """Noise of every taxel from quiet frames: standard deviation, slow part, dead and noisy taxels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import sqrt
 
@@ -22,6 +22,8 @@ STRIKING = 6.0
 """Sigma above which a reading is no noise: one of 768 reaches it by chance in one frame of a million."""
 MANY = 64
 """Number of taxels from which two frames give the noise to a tenth."""
+ROUNDING = 1e-6
+"""Change of a reading relative to its size that is rounding."""
 BLOCKS = 20
 """Number of blocks over which the noise of the median taxel is averaged."""
 
@@ -44,7 +46,8 @@ class Noise:
     def noisy(self) -> Flags:
         """(rows, cols), True where a taxel of a larger array has far more noise than the median one."""
         typical = np.median(self.sigma.reshape(-1, 3), axis=0)
-        enough = self.dead.size >= FEW and bool((typical > 0).all())
+        measured_axes = self.sigma.any(axis=(0, 1))  # an array may measure the normal alone
+        enough = self.dead.size >= FEW and bool((typical > 0)[measured_axes].all()) and bool(measured_axes.any())
         return (self.sigma > NOISY * typical).any(-1) & ~self.dead & enough
 
     def and_before(self, before: "Noise | None") -> "Noise":
@@ -55,6 +58,13 @@ class Noise:
         blocks = min(before.blocks + 1, BLOCKS)
         typical = before.typical + (self.typical - before.typical) / blocks
         return Noise(sigma, jitter, self.dead, typical, blocks)
+
+    def at_least(self, floor: Floats) -> "Noise":
+        """Return the noise with a sigma of at least ``floor`` (rows, cols, 3)."""
+        if (self.sigma >= floor).all():
+            return self
+        typical = np.maximum(self.typical, np.median(floor.reshape(-1, 3), axis=0))
+        return replace(self, sigma=np.maximum(self.sigma, floor), typical=typical)
 
     @property
     def levels(self) -> Floats:
@@ -102,6 +112,35 @@ def measured(block: Floats) -> Noise:
     typical = np.nan_to_num(_median(alive.reshape(-1, 3).T))
     calm = _median(jitter.reshape(-1, 3).T) * 2 / 3
     return Noise(np.maximum(sigma, typical * 2 / 3), np.maximum(jitter, calm), dead, typical)
+
+
+class Steps:
+    """Converter steps q of every reading, the smallest changes seen; noise of steps is at least q / sqrt(12).
+
+    A reading whose step is not known yet has the median of the known ones on its axis. Source: W. R. Bennett, "Spectra
+    of quantized signals", Bell System Technical Journal 27 (1948) 446.
+    """
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        self._least = np.full((*shape, 3), np.inf)
+
+    def see(self, block: Floats) -> None:
+        """Process frames (n, rows, cols, 3); NaN where a taxel did not read."""
+        change = np.abs(np.diff(block, axis=0))
+        size = np.nan_to_num(np.abs(block)).max(axis=0, initial=0.0)
+        change = np.where(change > ROUNDING * size, change, np.inf)  # NaN neither
+        self._least = np.minimum(self._least, change.min(axis=0, initial=np.inf))
+
+    @property
+    def floor(self) -> Floats:
+        """Least noise (rows, cols, 3); 0 where no step is known."""
+        least = np.zeros_like(self._least)
+        for axis in range(3):
+            known = np.isfinite(self._least[..., axis])
+            if known.any():
+                own = self._least[..., axis]
+                least[..., axis] = np.where(known, own, np.median(own[known]))
+        return least / np.sqrt(12)
 
 
 def early_noise(before: Floats, now: Floats) -> Floats | None:

@@ -43,6 +43,8 @@ class EventBuilder:
         hand = hand_code([one.code for one in self._fingers])
         for what in transitions:
             name = finger.array.name
+            if what.change == "begins" and what.rule.kind == "hold" and load.F < 0:
+                continue  # a pull is no hold: the zero is wrong
             if what.change == "begins":
                 data = _data(what, load, code)
                 rest = data["of_taxels"] if what.taxels is None else max(int(code.contact.sum()), 1)
@@ -55,10 +57,16 @@ class EventBuilder:
                 self._open[name, what.rule.kind] = event
                 begun.append(event)
             else:
-                event = self._open.pop((name, what.rule.kind))
-                ended.append(_ended(event, what.end, finger.travelled))
+                known = self._open.pop((name, what.rule.kind), None)
+                ended += [] if known is None else [_ended(known, what.end, finger.travelled)]
         joined, parted = self._hand.join(begun, ended)
         return (*begun, *joined), (*ended, *parted)
+
+    def close(self, finger: FingerState, t: float) -> tuple[Event, ...]:
+        """Return the lasting events of a finger, and those of the hand that end with them, ended at ``t`` [s]."""
+        mine = [key for key in self._open if key[0] == finger.array.name]
+        ended = [_ended(one, max(t, one.t), finger.travelled) for one in map(self._open.pop, mine)]
+        return (*ended, *self._hand.join((), ended)[1])
 
 
 def _data(what: Transition, load: Load, code: Code) -> Data:

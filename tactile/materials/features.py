@@ -41,7 +41,8 @@ class FeatureSet:
 
     all but the means after subtraction of a parabola. ``frequencies`` [1/s], or [1/m] if the speed of the slides is
     known (``by_way``), and ``spacing`` [s] or [m] of the lags come from the training slides, so that spectra of other
-    rates and, by way, other speeds are compared at the same frequencies.
+    rates and, by way, other speeds are compared at the same frequencies. Without ``shear`` in the slides the full set
+    has the features of the normal channel alone.
 
     Source: Vasarhelyi, Fodor, Roska, eqs (19), (20) for the two figures.
     """
@@ -51,6 +52,7 @@ class FeatureSet:
     frequencies: Floats
     spacing: float
     by_way: bool = False
+    shear: bool = True
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -60,6 +62,10 @@ class FeatureSet:
             return tuple(names)
         unit = "1/m" if self.by_way else "Hz"
         edges = np.geomspace(self.frequencies[0], self.frequencies[-1], BANDS + 1)
+        if not self.shear:
+            bands = (f"normal {low:.3g} to {high:.3g} {unit}" for low, high in pairwise(edges))
+            ends = ("step normal", "skewness normal", "kurtosis normal")
+            return ("mean normal", "spread normal", *bands, *(f"normal after {lag}" for lag in LAGS), *ends)
         names += ["mean shear_x", "mean shear_y", "mean normal", *(f"spread {name}" for name in CHANNELS)]
         names += [f"{name} {low:.3g} to {high:.3g} {unit}" for name in CHANNELS for low, high in pairwise(edges)]
         pairs = [f"{CHANNELS[a]} with {CHANNELS[b]}" for a, b in PAIRS]
@@ -77,7 +83,7 @@ class FeatureSet:
         """
         along = (t - t[0]) * (speed if self.by_way and speed is not None else 1.0)
         with np.errstate(all="ignore"):
-            return self._features(along, force)
+            return self._features(along, force) if self.shear else self._of_normal(along, force[:, 2])
 
     def _features(self, at: Floats, force: Floats) -> Floats:
         level = force[:, 2].mean()
@@ -108,14 +114,33 @@ class FeatureSet:
             np.corrcoef(steady)[np.triu_indices(4, 1)], *shape,
         ])  # fmt: skip
 
+    def _of_normal(self, at: Floats, normal: Floats) -> Floats:
+        """Return the features of the normal channel (n,)."""
+        level = normal.mean()
+        if not (level > 0 and (normal > FLOOR * level).mean() > 0.5):
+            return np.full(len(self.names), np.nan)
+        parabola = np.vander(2 * at / at[-1] - 1, 3)
+        rest = normal - parabola @ np.linalg.lstsq(parabola, normal, rcond=None)[0]
+        spread = rest.std()
+        rest = rest / (spread if spread > 0 else np.nan)
+        power = np.abs(spectrum(at, rest[None], self.frequencies)) ** 2
+        steady = np.interp(np.linspace(0, at[-1], len(at)), at, rest)
+        step = at[-1] / (len(at) - 1)
+        return np.concatenate([
+            np.log([level, spread / level]), np.log(band_means(power, FINE) + 1e-6).ravel(),
+            memory(steady, steady, LAGS * self.spacing / step),
+            [np.log(np.abs(np.diff(steady)).mean()), (steady**3).mean(), np.log((steady**4).mean())],
+        ])  # fmt: skip
+
 
 def feature_set(kind: str, window: int, slides: Iterable[Slide]) -> FeatureSet:
     """Return the features for slides; their frequencies go from one per window to half the sample rate.
 
-    By way if every slide has a speed, else by time.
+    By way if every slide has a speed, else by time; of the normal channel alone unless every slide has shear.
 
     Raises:
-        InputError: an unknown kind, a window that is too short or too long, or no slide of its length.
+        InputError: an unknown kind, a window that is too short or too long, or no slide of its length; the two figures
+            of slides without shear.
     """
     if kind not in get_args(Kind):
         raise InputError(f"features {kind!r}; {' or '.join(get_args(Kind))} wanted")
@@ -125,9 +150,13 @@ def feature_set(kind: str, window: int, slides: Iterable[Slide]) -> FeatureSet:
     long = [one for one in slides if one.t.size >= window]
     if not long:
         raise InputError(f"no slide of {window} samples; longer slides or a shorter window wanted")
+    shear = all(one.force[:, :2].any() for one in long)
+    if not shear and kind == "figures":
+        raise InputError("slides without shear have no friction and no roughness; features 'full' wanted, which use the"
+                         " normal channel alone")  # fmt: skip
     by_way = all(one.speed is not None for one in long)
     pace = np.array([one.speed or 1.0 if by_way else 1.0 for one in long])
     spacing = float(np.median([np.median(np.diff(one.t)) for one in long] * pace))
     mean = float(np.median([(one.t[-1] - one.t[0]) / one.t.size for one in long] * pace))
     frequencies = np.geomspace(1 / (mean * window), 0.5 / spacing, BANDS * FINE)
-    return FeatureSet("full" if kind == "full" else "figures", window, frequencies, spacing, by_way)
+    return FeatureSet("full" if kind == "full" else "figures", window, frequencies, spacing, by_way, shear)

@@ -39,6 +39,7 @@ def write_model(path: Path, model: TextureModel, replace: bool | None = None) ->
     head = {
         "format": FORMAT, "version": VERSION, "materials": model.materials, "features": features.kind,
         "names": features.names, "window": features.window, "spacing": features.spacing, "by_way": features.by_way,
+        "shear": features.shear,
         "gamma": space.gamma, "weight": space.weight, "confidence": [sure.offset, sure.vote, sure.distance],
         "conditions": dict(model.conditions),
     }  # fmt: skip
@@ -77,7 +78,7 @@ def _model(head: dict[str, Any], arrays: dict[str, Any]) -> TextureModel:
     materials = tuple(str(one) for one in head["materials"])
     window, spacing = int(head["window"]), float(head["spacing"])
     kind = {"figures": "figures", "full": "full"}[head["features"]]
-    features = FeatureSet(kind, window, floats["frequencies"], spacing, bool(head["by_way"]))  # type: ignore[arg-type]  # of a dictionary
+    features = FeatureSet(kind, window, floats["frequencies"], spacing, bool(head["by_way"]), head.get("shear", True))  # type: ignore[arg-type]  # of a dictionary
     size, marks = len(features.names), len(floats["landmarks"])
     wide, joined = floats["projection"].shape[-1], size + marks
     known = len(floats["places"])

@@ -66,6 +66,7 @@ class Collected:
         self._sums: dict[str, float] = {}
         self.dead_bands: dict[str, float] = {}
         self._tares: dict[str, TareCheck] = {}
+        self._moved: set[str] = set()
         self.frames = 0
         self._rows: dict[str, list[tuple[float, ...]]] = {}
         self._others: dict[str, list[tuple[float, float, float, float]]] = {}
@@ -76,6 +77,8 @@ class Collected:
         self._firmest(report)
         self.take(report.events, report.ended)
         self.notes += report.tares
+        if any(note.notice and note.offset is not None for note in report.tares):
+            self._moved.add(report.array.name)
         self.outputs += [(report.frame.t, report.array.name, name, dict(out)) for name, out in report.outputs.items()]
         if report.tare is not None:
             self._tares[report.array.name] = report.tare
@@ -136,6 +139,8 @@ class Collected:
         known = np.flatnonzero(np.isfinite(columns.normal))
         if known.size and known[0] > LATE * check.frames:
             check = replace(check, late=float(columns.t[known[0]] - columns.t[0]))
+        if array.name in self._moved:
+            return check  # its zero moved, which is reported
         normal = columns.normal[check.frames :]
         normal = normal[np.isfinite(normal)]
         if normal.size < SMOOTH:

@@ -32,8 +32,13 @@ def tables(collected: Collected, arrays: tuple[TaxelArray, ...]) -> None:
     screen = console()
     forces = all(array.quantity == "force" for array in arrays)
     _print_events(screen, collected.events, arrays, not forces)
+    alone = {array.name for array in arrays if not array.shear}
     for name, facts in finger_data(collected, arrays).items():
-        texture = f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
+        texture = (
+            "the normal alone: no shear, no friction, no code"
+            if name in alone
+            else f"friction {_figure(facts['friction'])}, roughness {_figure(facts['roughness'])}"
+        )
         line = f"{name}: {facts['frames']} frame{'s' * (facts['frames'] != 1)}; {texture}"
         places = ", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in facts["located"].items())
         screen.print(line + (f"; loads: {places}" if places and not forces else ""), highlight=False, markup=False)
@@ -57,8 +62,9 @@ def _print_events(screen: "Console", events: list[Event], arrays: tuple[TaxelArr
         screen.print("no events", highlight=False, markup=False)
         return
     taxels = [array.rows * array.cols for array in arrays]
+    shear = any(array.shear for array in arrays)
     digits = -(-sum(2 * count for count in taxels) // 4)
-    wanted = {CODE: max(taxels) <= LEGIBLE, HAND: digits <= LEGIBLE, LOAD: located}
+    wanted = {CODE: max(taxels) <= LEGIBLE and shear, HAND: digits <= LEGIBLE and shear, LOAD: located}
     headings = [name for name in (TIME, UNTIL, FINGER, CODE, HAND, MEANING, LOAD, LATENCY) if wanted.get(name, True)]
     rows = [
         {

@@ -89,15 +89,21 @@ def test_noise_alone_is_neither_motion_nor_load(sigma: float) -> None:
     assert tare.noise.sigma == pytest.approx(np.full((3, 3, 3), sigma), rel=0.9)
 
 
-def test_a_pad_tared_under_load_is_reported_once_it_is_free() -> None:
-    tare = LiveTare(0, PAD)
-    fed(tare, noise(2e-3) + np.array([0, 0, 1.0]))
-    fed(tare, noise(2e-3, 84), 21)
-    (_, note) = tare.notes
+def test_a_pad_tared_under_load_has_another_zero_once_it_is_free() -> None:
+    """By itself in mode auto; on request in mode manual, which reports it."""
+    tare, manual = LiveTare(0, PAD), LiveTare(0, PAD, "manual")
+    for one in (tare, manual):
+        fed(one, noise(2e-3) + np.array([0, 0, 1.0]))
+        free = fed(one, noise(2e-3, 84), 21)[-1]
+        assert (np.abs(free.values).max() < 0.02) == (one is tare)
+    note = tare.notes[-1] if tare.notes[-1].notice else tare.notes[1]
+    assert (note.why, note.notice, tare.moved) == ("the zero moved at 0.210 s", True, 0.21)
+    assert note.detail.startswith("-9.00 N normal, 0.00 N shear")
+    (_, note) = manual.notes
     assert note.why == "refused: loaded"
     assert "it was pressed during the tare; t! tares it by force" in note.detail
-    tare.ask(force=True)
-    free = fed(tare, noise(2e-3, 22), 105)[-1]
+    manual.ask(force=True)
+    free = fed(manual, noise(2e-3, 22), 105)[-1]
     assert np.abs(free.values).max() < 0.02
 
 
