@@ -175,13 +175,13 @@ class LiveTare:
         return len(self._block) >= FRAMES and t - self._since >= self._seconds
 
     def _end_block(self, t: float, block: Floats) -> None:
-        self._steps.see(block)
-        floor = self._steps.floor
-        mean, noise = np.nanmean(block, axis=0), measured(block).at_least(floor)
-        if self.noise is not None:
-            self.noise = self.noise.at_least(floor)
+        mean, noise = np.nanmean(block, axis=0), measured(block).at_least(self._steps.floor)
         what = judge(block, noise, self._limit, self._inward)
         still = what.still
+        if still:
+            self._steps.see(block)
+            noise = noise.at_least(self._steps.floor)
+            self.noise = self.noise if self.noise is None else self.noise.at_least(self._steps.floor)
         if self._start is None:
             self._start = what.first
         away = None if self._offset is None else mean - self._offset
@@ -205,8 +205,9 @@ class LiveTare:
         self._asked = self._forced = False
         pulled = not first and away is not None and self._pulls(away, noise.sigma)
         fell, self._fell = self._fell, self._fall(block) if pulled and still and self._mode == "auto" else None
-        if fell is not None and self._fell is not None and away is not None and not (asked or forced):
-            self._move(t, fell, mean, away, noise)
+        if self._fell is not None and away is not None and not (asked or forced):
+            if fell is not None:  # the second block in a row
+                self._move(t, fell, mean, away, noise)
             return
         if not forced and (not still or loaded):
             self._refuse(t, away if away is not None else mean - self._start, still, first or asked, what.far)

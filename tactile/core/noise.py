@@ -115,10 +115,11 @@ def measured(block: Floats) -> Noise:
 
 
 class Steps:
-    """Converter steps q of every reading, the smallest changes seen; noise of steps is at least q / sqrt(12).
+    """Converter steps q of every reading; noise of steps is at least q / sqrt(12).
 
-    A reading whose step is not known yet has the median of the known ones on its axis. Source: W. R. Bennett, "Spectra
-    of quantized signals", Bell System Technical Journal 27 (1948) 446.
+    q is the smallest change up and down within a still block: a drift without noise has one sign. A reading that has
+    not changed yet has the median of the others. Source: W. R. Bennett, "Spectra of quantized signals", Bell System
+    Technical Journal 27 (1948) 446.
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:
@@ -126,21 +127,21 @@ class Steps:
 
     def see(self, block: Floats) -> None:
         """Process frames (n, rows, cols, 3); NaN where a taxel did not read."""
-        change = np.abs(np.diff(block, axis=0))
-        size = np.nan_to_num(np.abs(block)).max(axis=0, initial=0.0)
-        change = np.where(change > ROUNDING * size, change, np.inf)  # NaN neither
-        self._least = np.minimum(self._least, change.min(axis=0, initial=np.inf))
+        change = np.diff(block, axis=0)
+        rounding = ROUNDING * np.nan_to_num(np.abs(block)).max(axis=0, initial=0.0)
+        up, down = (
+            np.where(sign * change > rounding, sign * change, np.inf).min(axis=0, initial=np.inf) for sign in (1, -1)
+        )
+        self._least = np.minimum(self._least, np.maximum(up, down))
 
     @property
     def floor(self) -> Floats:
         """Least noise (rows, cols, 3); 0 where no step is known."""
-        least = np.zeros_like(self._least)
-        for axis in range(3):
-            known = np.isfinite(self._least[..., axis])
-            if known.any():
-                own = self._least[..., axis]
-                least[..., axis] = np.where(known, own, np.median(own[known]))
-        return least / np.sqrt(12)
+        known = np.isfinite(self._least)
+        if not known.any():
+            return np.zeros_like(self._least)
+        floor: Floats = np.where(known, self._least, np.median(self._least[known])) / np.sqrt(12)
+        return floor
 
 
 def early_noise(before: Floats, now: Floats) -> Floats | None:
