@@ -8,7 +8,8 @@ import numpy as np
 
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.support import Flags, Floats
-from tactile.calibration.live_tare import LiveTare, TareMode, TareNote
+from tactile.calibration.live_tare import LiveTare, TareMode
+from tactile.calibration.tare_check import TareNote
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.gaps import Gaps
 from tactile.core.noise import Noise, is_noise
@@ -30,8 +31,6 @@ from tactile.texture.figures import Texture, TextureFigures
 from tactile.thresholds.levels import levels
 from tactile.thresholds.threshold import CONTACT, SIGN
 
-RESTART = "all events end, and a new tare is taken"
-"""Consequence of a gap."""
 STILL = 0.6
 """[s] Time without a sign of sliding after which nothing slides."""
 APART = 0.1
@@ -92,16 +91,17 @@ class Finger:
         self._set_noise()
 
     def calibrate(self, raw: Frame) -> Frame:
-        """Return the frame after tare and gains.
+        """Return the frame after tare and gains; ``broken`` is the time [s] at which all events end, else None.
 
-        After a gap in the times all begins anew, also the tare; ``broken`` is then the time [s] of the frame before it.
-        It is the time of a zero that moved, too; else None.
+        It is that of the frame before a gap in the times, after which all begins anew, or of a zero that moved.
         """
         self.broken = last = self._gaps(raw.t)
         if last is not None:
             self.tare = LiveTare(self._number, self.array, self._mode, self._gains)
             gap = f"no frames from {last:.3f} to {raw.t:.3f} s"
-            self.tare.notes.append(TareNote(self._number, raw.t, gap, None, RESTART, notice=True))
+            self.tare.notes.append(
+                TareNote(self._number, raw.t, gap, None, "all events end, and a new tare is taken", notice=True)
+            )
             self._start()
         frame = self.tare(raw)
         if self.tare.moved is not None:

@@ -13,8 +13,8 @@ from cnnsim.support import Floats, InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.keywords import spelled
 from cnnsim.support.progress import watched_by
-from tactile.calibration.live_tare import TareMode, TareNote
-from tactile.calibration.tare_check import TareCheck
+from tactile.calibration.live_tare import TareMode
+from tactile.calibration.tare_check import TareCheck, TareNote
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Source
 from tactile.events.code import Code

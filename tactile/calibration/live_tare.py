@@ -1,7 +1,7 @@
 """Tare of arriving frames: at the start, on request, and automatically while the array is untouched."""
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -9,8 +9,9 @@ import numpy as np
 from cnnsim.support import Floats, InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.idle_drift import IdleDrift
+from tactile.calibration.moved_zero import MovedZero
 from tactile.calibration.stillness import MUCH, NEWEST, begins, judge
-from tactile.calibration.tare_check import PARTS, TareCheck, check_tare
+from tactile.calibration.tare_check import PARTS, TareCheck, TareNote, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
 from tactile.core.frame import NORMAL, Frame, TaxelArray
 from tactile.core.noise import Noise, Steps, early_noise, measured
@@ -28,27 +29,8 @@ IDLE = "idle"
 SLOWLY = "drift compensation undone by a slow touch"
 """Reason of an offset without the drift compensation since a slow touch began."""
 CURE = "let nothing touch it, then ask for a tare"
-PULL = 6.0
-"""Standard deviations of a block's mean beyond which a reading is a pull."""
 AFTER = 0.1
 """[s] Time after a contact whose frames are not used: silicone creeps back."""
-
-
-@dataclass(frozen=True)
-class TareNote:
-    """Result of a block: ``offset`` (rows, cols, 3) if it was taken, else None, and ``why``.
-
-    ``detail``: how much was subtracted and which taxels are left out, or what was wrong and what to do; empty for
-    automatic renewals. ``check``: figures of the first offset. ``notice``: a fault of the stream that users are shown.
-    """
-
-    finger: int
-    t: float
-    why: str
-    offset: Floats | None
-    detail: str = ""
-    check: TareCheck | None = None
-    notice: bool = False
 
 
 class LiveTare:
@@ -97,8 +79,7 @@ class LiveTare:
         self._early_wanted = True
         self._block: list[Floats] = []
         self._times: list[float] = []
-        self._before: tuple[list[float], Floats] | None = None  # times and pressing of the block before
-        self._fell: float | None = None
+        self._zero = MovedZero(self._limit, self._inward) if array.quantity == "force" else None
         self.moved: float | None = None
         self._steps = Steps(array.shape)
         self._since = 0.0
@@ -138,9 +119,7 @@ class LiveTare:
         if len(self._block) == self._frames if counted else self._full(frame.t):
             with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of taxels without readings
                 block = np.array(self._block)
-                block = np.where(np.isfinite(block), block, np.nan)  # no offset is infinite
-                self._end_block(frame.t, block)
-                self._before = self._times, np.nansum(self._inward * block[..., NORMAL], axis=(1, 2))
+                self._end_block(frame.t, np.where(np.isfinite(block), block, np.nan))  # no offset is infinite
             self._block = []
             if counted:  # the frames that were averaged are not to be used
                 return replace(frame, valid=np.zeros_like(frame.valid))
@@ -203,12 +182,13 @@ class LiveTare:
         first, asked, forced = self._offset is None, self._asked, self._forced
         forced = forced or bool(self._frames and first)
         self._asked = self._forced = False
-        pulled = not first and away is not None and self._pulls(away, noise.sigma)
-        fell, self._fell = self._fell, self._fall(block) if pulled and still and self._mode == "auto" else None
-        if self._fell is not None and away is not None and not (asked or forced):
-            if fell is not None:  # the second block in a row
+        if self._zero is not None:
+            judged = away if still and self._mode == "auto" and not (asked or forced) else None
+            fell = self._zero(self._times, block, judged, noise.sigma)
+            if fell is not None and away is not None:
                 self._move(t, fell, mean, away, noise)
-            return
+            if fell is not None or self._zero.fell is not None:
+                return
         if not forced and (not still or loaded):
             self._refuse(t, away if away is not None else mean - self._start, still, first or asked, what.far)
         elif first or asked or self._mode == "auto":
@@ -227,29 +207,12 @@ class LiveTare:
             detail = "" if check is None else "; ".join([_subtracted(check), *(noise.words() if still else [])])
             self.notes.append(TareNote(self._finger, t, why, self._offset, detail, check if first else None))
 
-    def _pulls(self, away: Floats, sigma: Floats) -> bool:
-        """Return whether most force taxels read a pull beyond limit and noise, and their sum is far beyond them."""
-        press = self._inward * away[..., NORMAL]
-        limit = np.maximum(self._limit, PULL * sigma / np.sqrt(FRAMES))[..., NORMAL]
-        most = bool((press < -limit).sum() * 2 > (press > 0).sum() + 1)
-        return self._array.quantity == "force" and most and float(np.nansum(press)) < -2 * float(np.median(limit))
-
-    def _fall(self, block: Floats) -> float:
-        """Return when the pressing fell: at the steepest step of two blocks, unless it is known."""
-        press = np.nansum(self._inward * block[..., NORMAL], axis=(1, 2))
-        if self._fell is not None:
-            return self._fell
-        times = list(self._times)
-        if self._before is not None:
-            times, press = [*self._before[0], *times], np.concatenate([self._before[1], press])
-        return times[int(np.argmin(np.diff(press))) + 1]
-
     def _move(self, t: float, fell: float, mean: Floats, away: Floats, noise: Noise) -> None:
         """Take another zero, to which the readings fell at ``fell`` [s]."""
         assert self._offset is not None
         amount = check_tare(self._array, self._in_quantity(away)[None], len(self._block), 0.0).amount
         self._offset = np.where(np.isfinite(mean), mean, self._offset)
-        self._renewed, self._reported_negative, self._fell, self.moved = t, False, None, fell
+        self._renewed, self._reported_negative, self.moved = t, False, fell
         self._touched = -np.inf
         self._learn(noise)
         why = f"the zero moved at {fell:.3f} s"

@@ -91,6 +91,23 @@ class TareCheck:
         }  # fmt: skip
 
 
+@dataclass(frozen=True)
+class TareNote:
+    """Result of a block: ``offset`` (rows, cols, 3) if it was taken, else None, and ``why``.
+
+    ``detail``: how much was subtracted and which taxels are left out, or what was wrong and what to do; empty for
+    automatic renewals. ``check``: figures of the first offset. ``notice``: a fault of the stream that users are shown.
+    """
+
+    finger: int
+    t: float
+    why: str
+    offset: Floats | None
+    detail: str = ""
+    check: TareCheck | None = None
+    notice: bool = False
+
+
 def measure(value: float, quantity: Quantity) -> str:
     """Return a value for display, with its unit."""
     factor, unit = UNITS[quantity]

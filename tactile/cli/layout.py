@@ -13,8 +13,8 @@ from tactile.cli.options import FILE
 
 @click.command(
     epilog=examples(
-        "tactile layout glove.csv", "tactile layout glove.csv -o glove.toml",
-        "tactile run glove.csv --layout glove.toml",
+        "tactile layout glove.csv", "tactile layout glove.csv -o layout.toml",
+        "tactile run glove.csv --layout layout.toml",
     )
 )  # fmt: skip
 @click.argument("file", type=FILE)

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cnnsim.support import Floats
-from tactile.calibration.live_tare import TareNote
-from tactile.calibration.tare_check import TareCheck
+from tactile.calibration.tare_check import TareCheck, TareNote
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, TaxelArray
 from tactile.events.event import Event, EventLog
 from tactile.output.ground_truth import GroundTruth

@@ -54,6 +54,21 @@ duration_s = 0.3
 """
 
 
+GLOVE = "t;x0;y0;z0;x1;y1;z1\n" + "".join(f"{n / 100};0,1;0,2;{n % 7};0,1;0,2;{n % 5}\n" for n in range(40))
+GLOVE_LAYOUT = """
+[layout]
+time = "t"
+[[finger]]
+name = "glove"
+rows = 1
+cols = 2
+pitch_mm = 4.0
+depth_mm = 0.0
+quantity = "force"
+columns = "{axis}{taxel}"
+"""
+
+
 def detector() -> str:
     """Return the detector of docs/detectors.md."""
     (text,) = re.findall(
@@ -80,7 +95,7 @@ def write_own_files(folder: Path) -> None:
     texts = {
         "EDGE.tem": HOLE.replace("HoleFiller", "Edge"), "HOLE.tem": HOLE, "temlib.m": TEMLIB, "best.txt": GENE,
         "rule.toml": RULE, "my-program.toml": PROGRAM, "two-blobs.toml": detector(), "l.csv": LABELS,
-        "study.toml": STUDY, "grips.toml": GRIPS,
+        "study.toml": STUDY, "grips.toml": GRIPS, "glove.csv": GLOVE, "glove.toml": GLOVE_LAYOUT,
     }  # fmt: skip
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -10,7 +10,8 @@ from cnnsim import backends
 from cnnsim.support import InputError
 from cnnsim.support.toml_file import check_keys, take
 from tactile import pipeline
-from tactile.calibration.live_tare import IDLE, TareNote
+from tactile.calibration.live_tare import IDLE
+from tactile.calibration.tare_check import TareNote
 from tactile.cli.port.meter import Meter
 from tactile.events.event import Event
 from tactile.output.event_data import EventData, finite, program_data

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tactile.calibration.live_tare import TareNote
+from tactile.calibration.tare_check import TareNote
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.gaps import Gaps
 from tactile.core.source import FrameStream, Provenance
