@@ -9,7 +9,7 @@ import numpy as np
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareMode
-from tactile.calibration.tare_check import TareNote
+from tactile.calibration.tare_check import TareNote, gap_note
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.gaps import Gaps
 from tactile.core.noise import Noise, is_noise
@@ -98,10 +98,7 @@ class Finger:
         self.broken = last = self._gaps(raw.t)
         if last is not None:
             self.tare = LiveTare(self._number, self.array, self._mode, self._gains)
-            gap = f"no frames from {last:.3f} to {raw.t:.3f} s"
-            self.tare.notes.append(
-                TareNote(self._number, raw.t, gap, None, "all events end, and a new tare is taken", notice=True)
-            )
+            self.tare.notes.append(gap_note(self._number, last, raw.t))
             self._start()
         frame = self.tare(raw)
         if self.tare.moved is not None:

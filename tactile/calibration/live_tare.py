@@ -9,7 +9,7 @@ import numpy as np
 from cnnsim.support import Floats, InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.idle_drift import IdleDrift
-from tactile.calibration.moved_zero import MovedZero
+from tactile.calibration.moved_zero import FRAMES, MovedZero
 from tactile.calibration.stillness import MUCH, NEWEST, begins, judge
 from tactile.calibration.tare_check import PARTS, TareCheck, TareNote, check_tare
 from tactile.calibration.taxel_gains import TaxelGains
@@ -20,8 +20,6 @@ from tactile.thresholds.threshold import CONTACT, SHEAR
 TareMode = Literal["auto", "manual", "off"] | int
 SECONDS = 0.2
 """[s] Shortest block of frames that is judged."""
-FRAMES = 20
-"""Least number of frames in a block."""
 SHORT = 0.05
 """[s] Shortest block for the first tare if a load comes before `SECONDS`."""
 IDLE = "idle"

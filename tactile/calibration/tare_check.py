@@ -108,6 +108,12 @@ class TareNote:
     notice: bool = False
 
 
+def gap_note(finger: int, last: float, t: float) -> TareNote:
+    """Return the note on a gap between the frames at ``last`` and ``t`` [s]."""
+    gap = f"no frames from {last:.3f} to {t:.3f} s"
+    return TareNote(finger, t, gap, None, "all events end, and a new tare is taken", notice=True)
+
+
 def measure(value: float, quantity: Quantity) -> str:
     """Return a value for display, with its unit."""
     factor, unit = UNITS[quantity]
