@@ -1,6 +1,5 @@
 """Publishing of frames as UDP datagrams, in JSON or MessagePack, for control loops in other programs."""
 
-import json
 import socket
 from collections.abc import Callable
 from typing import Any
@@ -10,12 +9,12 @@ import numpy as np
 
 from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
-from tactile.output.stream_frame import StreamFrame
+from tactile.output.stream_frame import StreamFrame, frame_json
 
 HOST = "127.0.0.1"
 LARGEST = 65_507
 """Largest datagram over IPv4 in bytes."""
-WORDY = 22
+WORDY = 16
 """Bytes of a number in JSON."""
 BUFFER = 2**20
 """Bytes of the send buffer."""
@@ -81,8 +80,8 @@ class Publisher:
         self._socket.close()
 
 
-def _json(_frame: StreamFrame, data: dict[str, Any]) -> bytes:
-    return json.dumps(data, allow_nan=False).encode()
+def _json(frame: StreamFrame, data: dict[str, Any]) -> bytes:
+    return frame_json(frame, data).encode()
 
 
 def _packer() -> Callable[[StreamFrame, dict[str, Any]], bytes]:

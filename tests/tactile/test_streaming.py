@@ -20,7 +20,7 @@ from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.inverse.load import Load
 from tactile.output.publish import Publisher, udp_address
-from tactile.output.stream_frame import SlipMargins, StreamFrame
+from tactile.output.stream_frame import SlipMargins, StreamFrame, frame_json
 from tactile.sources.convert import convert
 from tactile.sources.replay_npz import write_npz
 from tactile.wire.packets import emulated_description, packets
@@ -167,7 +167,7 @@ def test_live_publishes_each_frame_as_a_datagram(tmp_path: Path, listener: socke
         got = msgpack.unpackb(datagram) if packed else json.loads(datagram)
         if packed:
             values = np.frombuffer(got["values"], "<f4").reshape(got.pop("shape"))
-            assert np.array_equal(values, np.asarray(line["values"], np.float32))
+            assert np.allclose(values, line["values"], rtol=1e-7, atol=0)
             got["values"] = line["values"]
         assert got == line
         assert np.allclose(line["values"], frame.values, atol=1e-7)
@@ -176,6 +176,18 @@ def test_live_publishes_each_frame_as_a_datagram(tmp_path: Path, listener: socke
     begun = [event["words"] for line in printed for event in line["begun"]]
     assert begun == [json.loads(line)["words"] for line in lines(live.stdout, "event")]
     assert sum("contact on" in words for words in begun) == 2
+
+
+def test_values_in_json_have_the_bits_of_float32_and_null_where_they_are_not_valid() -> None:
+    values = np.random.default_rng(0).normal(0, 1e-5, (2, 3, 3)).astype(np.float32).astype(float)
+    values[0, 0], values[1, 1, 2] = np.nan, -np.inf
+    made: Any = SimpleNamespace(values=values, valid=np.array([[True, True, False], [True, True, True]]))
+    read = json.loads(frame_json(made, {"t_s": 1.5}))
+    assert read["t_s"] == 1.5
+    got = np.array(read["values"], dtype=float)  # None is NaN
+    wanted = np.where(made.valid[..., None] & np.isfinite(values), values, np.nan).astype(np.float32)
+    assert np.array_equal(got.astype(np.float32), wanted, equal_nan=True)
+    assert read["values"][0][0] == read["values"][0][2] == [None] * 3
 
 
 def test_wrong_addresses_and_arrays_are_refused(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Outputs of a live run besides events: JSON lines and datagrams of frames, messages for viewers."""
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from tactile.export.drawable import Message
     from tactile.export.view import FoxgloveView, RerunView
     from tactile.output.publish import Publisher
+    from tactile.output.stream_frame import StreamFrame
     from tactile.pipeline import FrameReport, Sink
     from tactile.serial.session import Session
 
@@ -70,9 +72,13 @@ class LiveOutputs:
         start = session.reader.epoch.unix
         sinks: list[Sink] = []
         if self._choices.every_frame or self.publisher is not None:
-            from tactile.output.stream_frame import FrameOutput, FrameSink  # imported when used
+            from tactile.output.stream_frame import FrameOutput, FrameSink, frame_json  # imported when used
 
-            outputs: list[FrameOutput] = [_print] if self._choices.every_frame else []
+            def say(frame: "StreamFrame", data: dict[str, Any]) -> None:
+                sys.stdout.write(frame_json(frame, data) + "\n")
+                sys.stdout.flush()
+
+            outputs: list[FrameOutput] = [say] if self._choices.every_frame else []
             frames = FrameSink(self._arrays, [*outputs, *filter(None, [self.publisher])])
             frames.convert.start_ns = start
             sinks.append(frames)
@@ -94,10 +100,6 @@ class LiveOutputs:
         finally:
             if view is not None:
                 view.close()
-
-
-def _print(_frame: Any, data: dict[str, Any]) -> None:
-    console.print_line(data)
 
 
 def _drawing(
