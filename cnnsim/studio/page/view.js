@@ -450,7 +450,6 @@ export class View {
     const state = () => plane() === "state";
     const begin = (/** @type {number[]} */ cell) => {
       this.stroke = true;
-      this.resume = this.playing;
       if (state()) this.pause();
       pane.bytes = pane.bytes.slice();
       line(cell, cell);
@@ -459,8 +458,7 @@ export class View {
       this.link.latest(`draw ${plane()}`, async () => {
         await send();
         this.stroke = false;
-        if (this.playing) return;
-        if (!state()) await this.go({ to: 0 });
+        if (!state()) await this.restart();
         this.ended = false;
         this.play();
       });

@@ -120,7 +120,11 @@ EMPTY = "template=hole-filler&size=16x16&picture=white&seed=0"
 def test_a_drawn_ring_is_filled_by_the_wave(browser: Browser) -> None:
     browser.open(EMPTY)
     browser.page.fill("[name=brush]", "1")
+    browser.page.uncheck("[name=rest]")
     browser.page.select_option("[name=speed]", "10")
+    browser.page.click("[name=play]")
+    browser.until("Number(document.querySelector('[name=scrub]').value) > 150")  # all is white, and it still runs
+    browser.page.check("[name=rest]")
     browser.drag(LEFT, (4, 4), (4, 10), (10, 10), (10, 4), (4, 4))
     browser.until("document.querySelector('.cw-status').textContent.startsWith('at rest')")
     ring = browser.pixels(LEFT)[..., 0] == 0
