@@ -55,7 +55,9 @@ class StreamFrame:
 class SlipMargins:
     """Slip margin of each finger: the distance of its tangential load from the limit of friction.
 
-        m = 1 - |(Q, R)| / (mu F), 0 at the limit and beyond, 1 without tangential load; NaN without contact
+        m = 1 - |(Q, R)| / (mu F), 0 at the limit and beyond, 1 without tangential load
+
+    It is NaN without contact, and for arrays that measure the normal alone.
 
     mu is ``friction`` until a slip has been measured on the finger; from then on |(Q, R)| / F at the latest slip.
     """
@@ -66,7 +68,7 @@ class SlipMargins:
     def __call__(self, report: FrameReport) -> float:
         """Return the margin after this frame."""
         load, name = report.load, report.array.name
-        if not (load.F > 0 and report.code.contact.any()):
+        if not (report.array.shear and load.F > 0 and report.code.contact.any()):
             return math.nan
         ratio = math.hypot(load.Q, load.R) / load.F
         if ratio > 0 and any(event.kind == "slip" for event in report.events):

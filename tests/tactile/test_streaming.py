@@ -90,9 +90,10 @@ def test_a_table_of_another_program_is_streamed_with_its_layout(tmp_path: Path, 
 def test_the_slip_margin_is_the_distance_from_the_limit_of_friction() -> None:
     margins, sliding = SlipMargins(0.5), [SimpleNamespace(kind="slip")]
 
-    def margin(q: float, f: float, events: Any = (), touched: bool = True) -> float:
+    def margin(q: float, f: float, events: Any = (), touched: bool = True, shear: bool = True) -> float:
         code = SimpleNamespace(contact=np.array([[touched]]))
-        made = SimpleNamespace(load=Load(Q=q, R=0.0, F=f), array=SimpleNamespace(name="a"), code=code, events=events)
+        made = SimpleNamespace(load=Load(Q=q, R=0.0, F=f), array=SimpleNamespace(name="a", shear=shear),
+                               code=code, events=events)  # fmt: skip
         report: Any = made
         return margins(report)
 
@@ -101,6 +102,7 @@ def test_the_slip_margin_is_the_distance_from_the_limit_of_friction() -> None:
     assert margin(3.0, 2.0) == 0
     assert math.isnan(margin(0.1, 2.0, touched=False))
     assert math.isnan(margin(float("nan"), 2.0))
+    assert math.isnan(margin(0.0, 2.0, shear=False))
     assert margin(1.6, 2.0, sliding) == 0  # friction is 0.8, as measured
     assert margin(0.8, 2.0) == pytest.approx(0.5)
 
