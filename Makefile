@@ -13,7 +13,9 @@ COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml -
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
 
-.PHONY: run test check docs bench accuracy hard-cases scaling endurance format clean lock
+LOWEST := out/lowest/bin
+
+.PHONY: run test check lowest docs bench accuracy hard-cases scaling endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
@@ -28,6 +30,18 @@ check: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	@if command -v tsc >/dev/null; then tsc -p tests/cnnsim/studio/tsconfig.json; else echo 'tsc is not there: the pages are not type-checked'; fi
+
+lowest:                      ## main jobs with the lowest versions that pyproject.toml allows; wants uv
+	uv venv --quiet --clear --python 3.11 out/lowest
+	uv pip install --quiet --python $(LOWEST)/python --resolution lowest-direct -e ".[opencl,serial,fem,video,texture,scale]"
+	rm -rf out/lowest/jobs && mkdir out/lowest/jobs
+	$(LOWEST)/cnnsim run edge examples/scan.png -o out/lowest/jobs/edge.png
+	CNNSIM_POCL_PROCESSOR=auto $(LOWEST)/cnnsim run hole-filler examples/scan.png -o out/lowest/jobs/opencl.png --backend opencl
+	$(LOWEST)/cnnsim run hole-filler examples/scan.png -o out/lowest/jobs/stored.png --store out/lowest/jobs/store --workers 1
+	$(LOWEST)/cnnsim trace edge examples/scan.png -o out/lowest/jobs/trace.png
+	$(LOWEST)/tactile convert examples/grasp.npz out/lowest/jobs/grasp.mcap
+	$(LOWEST)/tactile convert out/lowest/jobs/grasp.mcap out/lowest/jobs/grasp.parquet
+	$(LOWEST)/tactile run $(SCENE) -o out/lowest/jobs/grip
 
 bench: $(VENV)/.bench        ## speed, as ratios to peers measured in the same run
 	$(BIN)/python -m tests.benchmarks -o out/bench

@@ -49,7 +49,7 @@ def label(axis: Any, events: Iterable[Event]) -> int:
     The figure must be laid out, because the positions depend on the axis.
     """
     box = axis.get_window_extent()
-    inches = axis.get_figure(root=True)
+    inches = axis.get_figure()
     height = SIZE * inches.dpi / 72 * 1.6
     rows = [LabelRow((number + 0.5) * height / box.height, []) for number in range(max(1, int(box.height / height)))]
     drawn = 0
