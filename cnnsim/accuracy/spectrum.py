@@ -59,6 +59,8 @@ def is_definite(taps: tuple[Tap, ...], boundary: Boundary, *, decay: float = 0.0
     weights = {(k, l): weight for k, l, weight in taps}
     if any(weights.get((-k, -l)) != weight for (k, l), weight in weights.items()):
         return False
+    if boundary.kind == "reflecting":  # whose matrix is not symmetric
+        return False
     if boundary.kind == "zero-flux" and any(
         max(abs(k), abs(l)) > 1 or weights.get((-k, l)) != weight for (k, l), weight in weights.items()
     ):

@@ -3,6 +3,7 @@
 from enum import IntEnum
 
 from cnnsim.network import Boundary
+from cnnsim.support import InputError
 
 NOTHING = -1
 """No channel, no plane of weights."""
@@ -17,7 +18,13 @@ class BoundaryCode(IntEnum):
 
 
 def boundary_code(boundary: Boundary) -> BoundaryCode:
-    """Return the code of a boundary."""
+    """Return the code of a boundary.
+
+    Raises:
+        InputError: a boundary that compiled loops do not have.
+    """
+    if boundary.kind == "reflecting":
+        raise InputError(f"a {boundary} boundary on a compiled backend; backend = 'reference' wanted")
     return BoundaryCode[boundary.kind.upper().replace("-", "_")]
 
 

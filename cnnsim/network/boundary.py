@@ -1,5 +1,6 @@
 """Boundary conditions: the values of the virtual cells around the grid."""
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,7 +14,7 @@ from cnnsim.support.errors import did_you_mean, not_known, shown
 from cnnsim.support.keywords import spelled_class
 from cnnsim.support.values import is_number
 
-BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
+BoundaryKind = Literal["fixed", "zero-flux", "periodic", "reflecting"]
 
 
 @spelled_class
@@ -21,11 +22,13 @@ BoundaryKind = Literal["fixed", "zero-flux", "periodic"]
 class Boundary:
     """A boundary condition.
 
-    ``fixed``: virtual cells have the constant output ``y`` and input ``u``, of modulus <= 1 (the bound of the state
-    needs that); ``zero-flux``: they repeat the nearest real cell; ``periodic``: the grid is a torus.
+    ``fixed``: virtual cells have the constant output ``y``, of modulus <= 1 as outputs are, and the constant input
+    ``u``; ``zero-flux``: they repeat the nearest real cell; ``periodic``: the grid is a torus; ``reflecting``: they
+    mirror the real cells about the outermost ones, so that cell -k has the values of cell k. Coupled templates have
+    reflecting boundaries on the reference backend only.
 
     Raises:
-        InputError: an unknown kind, or a fixed value that is not a number in [-1, 1].
+        InputError: an unknown kind, an output that is not a number in [-1, 1], an input that is no finite number.
     """
 
     kind: BoundaryKind
@@ -35,10 +38,13 @@ class Boundary:
     def __post_init__(self) -> None:
         if self.kind not in get_args(BoundaryKind):
             raise not_known("boundary", self.kind, get_args(BoundaryKind))
-        for name in ("y", "u"):
+        for name, most in (("y", 1.0), ("u", sys.float_info.max)):
             value = getattr(self, name)
-            if not is_number(value) or not abs(value) <= 1:
-                raise InputError(f"fixed boundary value of {name} is {shown(value)}; a number from -1 to 1 wanted")
+            if not is_number(value) or not abs(value) <= most:
+                wanted = (
+                    "a number from -1 to 1 wanted; 'fixed:x,u' takes inputs u beyond" if most == 1 else "finite wanted"
+                )
+                raise InputError(f"fixed boundary value of {name} is {shown(value)}; {wanted}")
             object.__setattr__(self, name, float(value))
 
     @property
@@ -60,14 +66,15 @@ def fixed(x: float, u: float | None = None) -> Boundary:
 ZERO_FLUX = Boundary("zero-flux")
 PERIODIC = Boundary("periodic")
 
-BOUNDARY_FORMS = "zero-flux, periodic, fixed:v or fixed:x,u"
+BOUNDARY_FORMS = "zero-flux, periodic, reflecting, fixed:v or fixed:x,u"
 """Forms of a boundary on the command line."""
 
 
 def parse_boundary(value: Any) -> Boundary:
     """Parse a boundary of a file or the command line.
 
-    ``"zero-flux"``, ``"periodic"``, ``{"fixed": v}``, ``{"fixed": {"x": v, "u": w}}``, ``"fixed:v"``, ``"fixed:v,w"``.
+    ``"zero-flux"``, ``"periodic"``, ``"reflecting"``, ``{"fixed": v}``,
+    ``{"fixed": {"x": v, "u": w}}``, ``"fixed:v"``, ``"fixed:v,w"``.
 
     Raises:
         InputError: anything else.
@@ -79,7 +86,7 @@ def parse_boundary(value: Any) -> Boundary:
             return fixed(*(float(part) for part in value.removeprefix("fixed:").split(",", 1)))
         except ValueError as error:
             raise InputError(
-                f"boundary {shown(value)}; 'fixed:v' or 'fixed:x,u' with numbers from -1 to 1 wanted"
+                f"boundary {shown(value)}; 'fixed:v' or 'fixed:x,u' with numbers x from -1 to 1 wanted"
             ) from error
     if isinstance(value, str) and value in get_args(BoundaryKind) and value != "fixed":
         return Boundary(value)  # type: ignore[arg-type]  # just checked
@@ -90,8 +97,9 @@ def parse_boundary(value: Any) -> Boundary:
         if set(inner) == {"x", "u"}:
             return fixed(inner["x"], inner["u"])
     raise InputError(
-        f"boundary {shown(value)}; wanted 'zero-flux', 'periodic', 'fixed:v' or, in a file, {{ fixed = v }} "
-        f"or {{ fixed = {{ x = v, u = w }} }}{did_you_mean(value, ('zero-flux', 'periodic'))}"
+        f"boundary {shown(value)}; wanted 'zero-flux', 'periodic', 'reflecting', 'fixed:v' or, in a file, "
+        "{ fixed = v } or { fixed = { x = v, u = w } }"
+        f"{did_you_mean(value, ('zero-flux', 'periodic', 'reflecting'))}"
     )
 
 
@@ -112,6 +120,9 @@ def virtual_index(cells: int, radius: int, boundary: Boundary) -> Integers:
         return position % cells
     if boundary.kind == "zero-flux":
         return position.clip(0, cells - 1)
+    if boundary.kind == "reflecting":
+        turned = position % max(1, 2 * cells - 2)
+        return np.minimum(turned, 2 * cells - 2 - turned)
     return np.where((position >= 0) & (position < cells), position, -1)
 
 

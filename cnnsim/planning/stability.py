@@ -34,10 +34,10 @@ ASTRAY = 0.05
 def modes_of(template: Template, boundary: Boundary) -> Modes:
     """Return the modes of the linear region, the eigenvalues of A - I.
 
-    For a symmetric A or a torus, the symbol sum A(k, l) exp(i (k p + l q)) - 1 has them all. For any other A they are
-    computed on grids of several sizes (its symbol would forbid steps that are stable).
+    For a torus, or a symmetric A without mirrored cells, the symbol sum A(k, l) exp(i (k p + l q)) - 1 has them all.
+    For any other A they are computed on grids of several sizes (its symbol would forbid steps that are stable).
     """
-    if template.symmetric or boundary.kind == "periodic":
+    if boundary.kind == "periodic" or (template.symmetric and boundary.kind != "reflecting"):
         return _waves(template.feedback_taps, symmetric=template.symmetric)
     return _on_grids(template.A.tobytes(), template.A.shape[0], boundary)
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from cnnsim.library.catalogue import load
 from cnnsim.network import Template, parse_boundary
+from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.support import Array, InputError
 from cnnsim.support.toml_file import in_range
 from cnnsim.sweep.kind import Case, Kind, Row
@@ -21,7 +22,7 @@ KEYS = {
     "seed": "of the random picture and its noise; 0 without it",
     "z": "the bias in place of the template's",
     "gain": "a factor on A and B",
-    "boundary": "zero-flux, periodic, or fixed:v in place of the template's",
+    "boundary": f"{BOUNDARY_FORMS} in place of the template's",
     "time": "time constants in place of the template's rule",
     "step": "step in time constants",
     "scheme": "integration scheme",

@@ -50,6 +50,16 @@ def test_taps_are_the_entries_that_are_not_zero() -> None:
     assert Template(np.diag([0, 0, 2, 0, 0])).uncoupled
 
 
+def _folded(i: int, n: int) -> int:
+    """Walk from cell 0 and turn back at each end."""
+    at, way = 0, 1
+    for _ in range(abs(i)):
+        if not 0 <= at + way < n:
+            way = -way
+        at += way if n > 1 else 0
+    return at
+
+
 def _brute_pad(plane: np.ndarray, r: int, boundary: Boundary, constant: float) -> np.ndarray:
     rows, cols = plane.shape
     out = np.empty((rows + 2 * r, cols + 2 * r))
@@ -57,6 +67,8 @@ def _brute_pad(plane: np.ndarray, r: int, boundary: Boundary, constant: float) -
         for j in range(-r, cols + r):
             if boundary.kind == "periodic":
                 out[i + r, j + r] = plane[i % rows, j % cols]
+            elif boundary.kind == "reflecting":
+                out[i + r, j + r] = plane[_folded(i, rows), _folded(j, cols)]
             elif boundary.kind == "zero-flux":
                 out[i + r, j + r] = plane[min(max(i, 0), rows - 1), min(max(j, 0), cols - 1)]
             else:
@@ -64,7 +76,7 @@ def _brute_pad(plane: np.ndarray, r: int, boundary: Boundary, constant: float) -
     return out
 
 
-@pytest.mark.parametrize("boundary", [ZERO_FLUX, PERIODIC, fixed(0.5)], ids=str)
+@pytest.mark.parametrize("boundary", [ZERO_FLUX, PERIODIC, fixed(0.5), Boundary("reflecting")], ids=str)
 @pytest.mark.parametrize("shape", [(1, 1), (1, 4), (3, 2), (7, 5)])
 @pytest.mark.parametrize("r", [1, 2, 5])
 def test_virtual_cells(boundary: Boundary, shape: tuple[int, int], r: int) -> None:
@@ -72,8 +84,11 @@ def test_virtual_cells(boundary: Boundary, shape: tuple[int, int], r: int) -> No
     assert np.array_equal(pad(plane, r, boundary, 0.5), _brute_pad(plane, r, boundary, 0.5))
 
 
-@pytest.mark.parametrize("backend", ["reference", "cpu"])
-@pytest.mark.parametrize("boundary", [ZERO_FLUX, PERIODIC, fixed(-1.0, 0.25)], ids=str)
+@pytest.mark.parametrize(("backend", "boundary"), [
+    *((backend, boundary) for backend in ("reference", "cpu")
+      for boundary in (ZERO_FLUX, PERIODIC, fixed(-1.0, 0.25), fixed(0.5, -3.0))),
+    ("reference", Boundary("reflecting")),
+], ids=str)  # fmt: skip
 @pytest.mark.parametrize("shape", [(1, 1), (1, 7), (6, 1), (2, 3), (9, 8)])
 @pytest.mark.parametrize(("r", "s"), [(1, 1), (5, 2), (1, 5)])
 def test_one_euler_step_is_the_equation_written_out(
@@ -100,6 +115,7 @@ def test_one_euler_step_is_the_equation_written_out(
 
 @pytest.mark.parametrize(("text", "boundary"), [
     ("zero-flux", ZERO_FLUX), ("periodic", PERIODIC), ("fixed:-1", fixed(-1)), ("fixed:1,-0.5", fixed(1, -0.5)),
+    ("reflecting", Boundary("reflecting")), ("fixed:0,2.5", fixed(0, 2.5)),
     ({"fixed": 0}, fixed(0)), ({"fixed": {"x": 1, "u": -1}}, fixed(1, -1)),
 ])  # fmt: skip
 def test_boundaries_as_people_write_them(text: Any, boundary: Boundary) -> None:
@@ -139,3 +155,20 @@ def test_a_network_that_never_settles_says_so_and_keeps_its_result() -> None:
     assert not caught.value.result.settled
     calm = Template([[0.0, 0, 0], [-0.9, 2, 0.9], [0.0, 0, 0]])
     assert run_transient(calm, **task, limit=200.0).settled
+
+
+def test_a_reflecting_boundary_on_other_backends_is_right_or_refused() -> None:
+    reflecting, picture = Boundary("reflecting"), np.random.default_rng(1).uniform(-1, 1, (5, 6))
+    blur = Template(np.full((3, 3), 0.1), 0.5)
+    with pytest.raises(InputError, match="a reflecting boundary on a compiled backend; backend = 'reference' wanted"):
+        run_transient(blur, state=picture, input=picture, boundary=reflecting)
+    end = run_transient(blur, state=picture, input=picture, boundary=reflecting, backend="reference")
+    padded = _brute_pad(end.y, 1, reflecting, 0.0)
+    drive = 0.1 * sum(padded[k : k + 5, l : l + 6] for k, l in np.ndindex(3, 3)) + 0.5 * picture
+    assert np.abs(drive - end.x).max() < 1e-2  # settled
+    uncoupled = Template(2, np.arange(9.0).reshape(3, 3) / 9 - 0.4, 0.1)
+    ours, theirs = (
+        run_transient(uncoupled, state=picture, input=picture, boundary=reflecting, backend=name, duration=2.0).x
+        for name in ("reference", "cpu")
+    )
+    assert np.abs(ours - theirs).max() < 1e-5
