@@ -17,12 +17,13 @@ import pyarrow as pa  # type: ignore[import-untyped]  # it ships no types
 from pyarrow import parquet
 
 from cnnsim.support import InputError
+from cnnsim.support.notices import Notices
 from tactile.core.array_table import array_table
 from tactile.core.source import provenance
 from tactile.export.episode import PHASES, SLIPS, Column, Watch, episode, longest_window
 from tactile.export.tared import new_folder
 from tactile.layout.layout import Layout
-from tactile.sources import is_folder_of_recordings, layout_of, open_source, recordings_in
+from tactile.sources import is_folder_of_recordings, layout_of, open_source, passed_over, recordings_in
 
 CHUNK = 1000
 """Files per folder."""
@@ -44,7 +45,10 @@ def write_lerobot(
         InputError: no recording, recordings of different arrays, an episode without a tared sample, a taken name.
     """
     known = layout_of(source, layout)
-    paths = recordings_in(source, known) if is_folder_of_recordings(source) else [source]
+    folder_of = is_folder_of_recordings(source)
+    paths = recordings_in(source, known) if folder_of else [source]
+    for name, why in passed_over(source, known).items() if folder_of else ():
+        Notices.say(f"note: {name}: passed over, {why}")
     if not paths:
         raise InputError(f"{source}: no recordings in it, at least one wanted")
     arrays, window, title = None, 0, ""

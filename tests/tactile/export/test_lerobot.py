@@ -24,9 +24,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "takes").mkdir()
     write_presses(folder / "takes" / "a.npz")
     write_presses(folder / "takes" / "b.npz", rate=60.0, seconds=1.8, seed=1)
+    (folder / "takes" / "notes.txt").write_text("two takes")
     done = call("convert", folder / "takes", "--lerobot", folder / "set", "--fps", FPS, "--task", "press twice")
     assert done.exit_code == 0, done.output
     assert "2 episodes" in done.stdout
+    assert "notes.txt: passed over" in done.stderr
     return folder
 
 
