@@ -25,6 +25,8 @@ __all__ = [
     "Trajectory",
     "UniversalMachine",
     "__version__",
+    "accuracy",
+    "design",
     "devices",
     "explain",
     "fixed",
@@ -34,10 +36,12 @@ __all__ = [
     "plot",
     "read_picture",
     "read_pictures",
+    "robust",
     "run",
     "run_program",
     "run_transient",
     "to_planes",
+    "trace",
     "trajectory",
     "write_picture",
 ]
@@ -64,6 +68,7 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from cnnsim.program.file import load_program
     from cnnsim.program.machine import UniversalMachine, run_program
     from cnnsim.program.program import Program
+    from cnnsim.prototyping.functions import accuracy, design, robust, trace
     from cnnsim.result import Result
     from cnnsim.support import InputError
     from cnnsim.support.pictures.picture import write_picture

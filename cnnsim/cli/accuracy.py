@@ -10,7 +10,6 @@ import numpy as np
 from cnnsim import backends, library
 from cnnsim.cli.pictures import check_plot
 from cnnsim.cli.run import json_option
-from cnnsim.support import InputError
 from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.files import check_place, write_rows, writing
@@ -53,38 +52,25 @@ def accuracy(
 
     Without a picture a random one of 16 x 16 is used; of a larger one its middle, 24 x 24.
     """
-    from cnnsim.prototyping.accuracy.work_precision import measured, reference_state, settings
+    from cnnsim.prototyping.functions import accuracy as measure_accuracy
 
-    entry = library.load(name)
     check_plot(output)
     check_place(figures)
     claim(output, figures)
     shown = np.random.default_rng(1).uniform(-1, 1, (16, 16)) if picture is None else _middle(read_picture(picture))
-    if entry.frame_time is not None or isinstance(entry.initial_state, tuple) or entry.cell.model == "discrete-time":
-        raise InputError(f"template {name!r} takes a sequence, layers or discrete time; one layer that runs on wanted")
-    given: dict[str, Any] = {"template": entry.network} | entry.task(
-        shown, shown if entry.initial_state == "given" else None
-    )
-    given.pop("step", None)
-    given.pop("accuracy", None)
-    given.pop("limit", None)
-    given["duration"] = duration or (10.0 if given["duration"] == "settled" else given["duration"])
-    exact, how = reference_state(given)
-    runs = list(settings(names or ("cpu",), 8))
-    found = [measured(given, exact, setting) for setting in watched(runs, "runs", len(runs))]
-    rows = [row for row in found if row is not None]
-    if not rows:
-        raise InputError(
-            f"template {name!r}: no step from {runs[0][3]:g} to {runs[-1][3]:g} is stable; another one wanted"
-        )
+    found = measure_accuracy(
+        library.load(name), shown, duration=duration, names=names or ("cpu",),
+        track=lambda runs: watched(runs, "runs", len(runs)),
+    )  # fmt: skip
+    rows = list(found.rows)
     if figures is not None:
         write_rows(figures, [asdict(row) for row in rows])
     if output is not None:
-        _draw(rows, output, f"{name}, t = {given['duration']:g}", f"{shown.shape[0]} x {shown.shape[1]} cells")
+        _draw(rows, output, found.title, f"{shown.shape[0]} x {shown.shape[1]} cells")
     if as_json:
-        print_json({"template": name, "reference": how, "rows": [asdict(row) for row in rows]})
+        print_json({"template": name, "reference": found.reference, "rows": [asdict(row) for row in rows]})
         return
-    say(f"{name}, {shown.shape[0]} x {shown.shape[1]} cells, t = {given['duration']:g}; truth: {how}")
+    say(f"{found.title}, {shown.shape[0]} x {shown.shape[1]} cells; exact state: {found.reference}")
     for line in table(rows):
         echo(line)
 
