@@ -18,7 +18,7 @@ LOWEST := out/lowest/bin
 .PHONY: run test check lowest docs bench accuracy hard-cases scaling endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
-	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE)))
+	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE))) --replace
 
 # Tests start hundreds of processes: each would compile every module anew where the environment forbids to keep them.
 # Threads of OpenBLAS that wait for a core turn round and round: beside others they take ten times as long as one alone.
