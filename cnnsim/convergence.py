@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.problem import TransientProblem
-from cnnsim.accuracy.rest_distance import SETTLED_DISTANCE
-from cnnsim.accuracy.solve import decision, solve
-from cnnsim.accuracy.tolerance import Tolerance
-from cnnsim.accuracy.verify_settled import verify_settled
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.planning.plan import SETTLED_RATE
 from cnnsim.result import Result
+from cnnsim.solver.problem import TransientProblem
+from cnnsim.solver.rest_distance import SETTLED_DISTANCE
+from cnnsim.solver.solve import decision, solve
+from cnnsim.solver.tolerance import Tolerance
+from cnnsim.solver.verify_settled import verify_settled
 from cnnsim.support import InputError
 
 

@@ -7,9 +7,6 @@ from typing import Any, Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.accuracy.problem import TransientProblem
-from cnnsim.accuracy.solve import decision, solve_at
-from cnnsim.accuracy.tolerance import Accuracy, Tolerance, parse_accuracy
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
@@ -19,6 +16,9 @@ from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.planning.step import Duration
 from cnnsim.recording import recorded
 from cnnsim.result import Result
+from cnnsim.solver.problem import TransientProblem
+from cnnsim.solver.solve import decision, solve_at
+from cnnsim.solver.tolerance import Accuracy, Tolerance, parse_accuracy
 from cnnsim.support import Array, Flags, Floats, InputError
 from cnnsim.support.memory import LARGE, check_memory
 from cnnsim.support.values import as_numbers, is_grey, largest

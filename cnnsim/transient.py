@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Unpack
 from numpy.typing import ArrayLike
 
 from cnnsim import backends
-from cnnsim.accuracy.solve import record_solutions
 from cnnsim.backends.base import Backend
 from cnnsim.convergence import accurate_result, settled_result
 from cnnsim.network import AnyTemplate
 from cnnsim.recording import Record, parse_record
 from cnnsim.result import Result
+from cnnsim.solver.solve import record_solutions
 from cnnsim.support import Array, InputError
 from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number, is_whole

@@ -7,7 +7,6 @@ import click
 import numpy as np
 
 from cnnsim import backends, library
-from cnnsim.accuracy.tolerance import parse_accuracy
 from cnnsim.backends.base import Backend
 from cnnsim.cli.large import block_option, check_engine_options, engine_option, run_large, store_option, workers_option
 from cnnsim.cli.pictures import (
@@ -26,6 +25,7 @@ from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.boundary import BOUNDARY_FORMS
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
+from cnnsim.solver.tolerance import parse_accuracy
 from cnnsim.support import InputError
 from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import examples, print_json, replace_option, watched

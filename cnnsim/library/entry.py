@@ -8,11 +8,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.accuracy.tolerance import Accuracy
 from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, ZERO_FLUX, AnyTemplate, Boundary, Cell, Frames, LayeredTemplate, Template
 from cnnsim.planning.plan import usual_limit
 from cnnsim.planning.step import DEFAULT_STEP, Duration
+from cnnsim.solver.tolerance import Accuracy
 from cnnsim.support import Array, Floats, InputError
 from cnnsim.support.notices import Notices
 from cnnsim.support.values import as_numbers, as_picture, has_zeros_for_white

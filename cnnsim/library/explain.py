@@ -6,13 +6,13 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cnnsim.accuracy.rest_distance import solving_bytes
 from cnnsim.library.catalogue import load
 from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import AnyTemplate, layered
 from cnnsim.planning.plan import Plan, lines_of
 from cnnsim.planning.scheme import EULER
 from cnnsim.planning.stability import ASTRAY, late_growth
+from cnnsim.solver.rest_distance import solving_bytes
 from cnnsim.support import Array, InputError
 from cnnsim.support.memory import free_memory, in_words
 from cnnsim.support.values import is_grey

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cnnsim.accuracy.tolerance import read_accuracy
 from cnnsim.library.entry import Example, LibraryEntry, Role
 from cnnsim.library.read_network import TEMPLATE_KEYS, needed_keys, parse_pictures, read_template
 from cnnsim.network import LayeredTemplate, parse_boundary
 from cnnsim.network.characteristic import parse_cell
+from cnnsim.solver.tolerance import read_accuracy
 from cnnsim.support import Floats, InputError, naming
 from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import shown

@@ -6,10 +6,6 @@ from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 
-from cnnsim.accuracy.problem import TransientProblem, largest
-from cnnsim.accuracy.rest_distance import SETTLED_DISTANCE
-from cnnsim.accuracy.tolerance import Tolerance, parse_accuracy
-from cnnsim.accuracy.verify_settled import verify_settled
 from cnnsim.backends.base import Backend, Outcome, Plane
 from cnnsim.convergence import accurate_result
 from cnnsim.network.characteristic import CLIP
@@ -33,6 +29,10 @@ from cnnsim.program.program import (
     UntilUnchangedStep,
     WireStep,
 )
+from cnnsim.solver.problem import TransientProblem, largest
+from cnnsim.solver.rest_distance import SETTLED_DISTANCE
+from cnnsim.solver.tolerance import Tolerance, parse_accuracy
+from cnnsim.solver.verify_settled import verify_settled
 from cnnsim.support import Array, InputError, naming
 from cnnsim.support.limits import REGISTER
 from cnnsim.support.notices import Notices

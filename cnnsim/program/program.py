@@ -21,7 +21,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from cnnsim.accuracy.tolerance import Accuracy
 from cnnsim.library.folders import folder
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template
 from cnnsim.operations.cellwise import Cellwise
@@ -29,6 +28,7 @@ from cnnsim.operations.global_wire import Wire
 from cnnsim.operations.logic import FUNCTIONS
 from cnnsim.planning.step import Duration
 from cnnsim.program.numbering import step_rows, written
+from cnnsim.solver.tolerance import Accuracy
 
 ProgramMemory = Literal["lam", "llm", "wire"]
 

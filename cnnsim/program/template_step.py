@@ -3,11 +3,11 @@
 from typing import Any
 
 from cnnsim import library
-from cnnsim.accuracy.tolerance import Accuracy, read_accuracy
 from cnnsim.network import CHUA_YANG, Boundary, Cell, Template, parse_boundary
 from cnnsim.planning.step import Duration
 from cnnsim.program.names import Names
 from cnnsim.program.program import Step, TemplateStep
+from cnnsim.solver.tolerance import Accuracy, read_accuracy
 from cnnsim.support import InputError, naming
 from cnnsim.support.toml_file import take_duration
 

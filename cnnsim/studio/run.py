@@ -6,12 +6,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from cnnsim.accuracy.solve import solve_at
 from cnnsim.backends.base import Backend
 from cnnsim.network import Frames
 from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.step import DEFAULT_STEP
+from cnnsim.solver.solve import solve_at
 from cnnsim.support import Array
 from cnnsim.task import Task
 

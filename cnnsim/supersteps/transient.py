@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.rest_distance import SETTLED_DISTANCE, contraction_bound
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.convergence import NotSettledError, settled_result
 from cnnsim.network import AnyTemplate, Frames
 from cnnsim.planning.plan import Plan
 from cnnsim.result import Result
+from cnnsim.solver.rest_distance import SETTLED_DISTANCE, contraction_bound
 from cnnsim.supersteps.block_plan import check_plan
 from cnnsim.supersteps.block_task import MASK, STATE, Place
 from cnnsim.supersteps.blocks import Blocks

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from cnnsim import backends
-from cnnsim.accuracy.solve import solve
-from cnnsim.accuracy.step_refinement import longest_step
-from cnnsim.accuracy.tolerance import EXACT
 from cnnsim.backends.base import NotFiniteError
 from cnnsim.planning.scheme import SCHEMES, find_scheme
+from cnnsim.solver.solve import solve
+from cnnsim.solver.step_refinement import longest_step
+from cnnsim.solver.tolerance import EXACT
 from cnnsim.support import Floats, InputError
 from cnnsim.task import make_task
 

@@ -85,7 +85,7 @@ for runs that only have to settle."""
 
 _CORRECTED = """\
 **Corrected kinks.** In a step in which an output reaches -1 or +1, rk4 misses a part of the integral of that output,
-which a cubic through the ends of the step gives. Adding it to the neighbours (`cnnsim/accuracy/corrected_rk4.py`) makes
+which a cubic through the ends of the step gives. Adding it to the neighbours (`cnnsim/solver/corrected_rk4.py`) makes
 the order 3 and each error 10 to 100 times smaller for the same steps: `accuracy=` uses it for a linear template on one
 grid of up to 16 384 cells."""
 

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.problem import Solution, TransientProblem
-from cnnsim.accuracy.spectrum import is_definite
-from cnnsim.accuracy.step_refinement import by_steps, decide_signs, longest_step, refine
-from cnnsim.accuracy.tolerance import Tolerance
-from cnnsim.accuracy.verify_settled import verify_settled
 from cnnsim.backends.base import Backend
 from cnnsim.backends.reference.drive import control
 from cnnsim.network.boundary import correlate
 from cnnsim.planning.plan import Plan
 from cnnsim.planning.scheme import EULER
+from cnnsim.solver.problem import Solution, TransientProblem
+from cnnsim.solver.spectrum import is_definite
+from cnnsim.solver.step_refinement import by_steps, decide_signs, longest_step, refine
+from cnnsim.solver.tolerance import Tolerance
+from cnnsim.solver.verify_settled import verify_settled
 from cnnsim.support import Array, Flags
 
 _NEAR_THE_LIMIT = 0.75

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.spectrum import Inverse
+from cnnsim.solver.spectrum import Inverse
 from cnnsim.support import Floats
 
 MOST_FACTORED = 20_000

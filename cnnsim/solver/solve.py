@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from cnnsim.accuracy.closed_form import by_closed_form, edge_jumps
-from cnnsim.accuracy.problem import Solution, TransientProblem, largest
-from cnnsim.accuracy.steady_state import to_rest
-from cnnsim.accuracy.step_refinement import is_correctable, refine
-from cnnsim.accuracy.tolerance import Tolerance
 from cnnsim.backends import in_float64
 from cnnsim.backends.base import Backend, check_finite
 from cnnsim.planning.plan import Plan
 from cnnsim.recording import check_times
+from cnnsim.solver.closed_form import by_closed_form, edge_jumps
+from cnnsim.solver.problem import Solution, TransientProblem, largest
+from cnnsim.solver.steady_state import to_rest
+from cnnsim.solver.step_refinement import is_correctable, refine
+from cnnsim.solver.tolerance import Tolerance
 from cnnsim.support import Floats, InputError
 from cnnsim.support.memory import LARGE
 from cnnsim.trajectories import CellIndex, Trajectory

@@ -8,10 +8,10 @@ from scipy.sparse import csr_matrix, identity
 
 from cnnsim import PERIODIC, ZERO_FLUX, Cell, LayeredTemplate, NotSettledError, Template, Term, fixed
 from cnnsim import run_transient as run
-from cnnsim.accuracy.linear_rest import is_stable
-from cnnsim.accuracy.sparse_solve import solve_sparse
 from cnnsim.backends import NAMES
 from cnnsim.network.characteristic import Characteristic
+from cnnsim.solver.linear_rest import is_stable
+from cnnsim.solver.sparse_solve import solve_sparse
 from tests.kits.backends import build
 from tests.oracles.exact_transient import coupling
 

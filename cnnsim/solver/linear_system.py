@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.spectrum import Inverse, is_definite, spectral_inverse
 from cnnsim.network import Boundary, Tap
 from cnnsim.network.boundary import virtual_index
 from cnnsim.network.weights import reach
+from cnnsim.solver.spectrum import Inverse, is_definite, spectral_inverse
 from cnnsim.support import Flags, Floats
 
 

@@ -9,9 +9,9 @@ from scipy.sparse import csr_matrix, identity
 from scipy.sparse.linalg import spsolve
 
 from cnnsim import PERIODIC, ZERO_FLUX, InputError, NotSettledError, Template, explain, fixed, run, run_transient
-from cnnsim.accuracy.rest_distance import SETTLED_DISTANCE
 from cnnsim.backends import NAMES
 from cnnsim.network import LayeredTemplate, Term
+from cnnsim.solver.rest_distance import SETTLED_DISTANCE
 from cnnsim.support import Floats
 from tests.kits.backends import build
 from tests.oracles.exact_transient import coupling
@@ -117,8 +117,8 @@ def test_cells_that_rounding_decides_are_undecided() -> None:
 
 
 def test_a_plane_that_the_check_saw_saturated_is_not_read() -> None:
-    from cnnsim.accuracy.verify_settled import verify_settled
     from cnnsim.backends.base import Outcome
+    from cnnsim.solver.verify_settled import verify_settled
     from cnnsim.task import make_task
 
     plan = make_task(Template(2), state=np.ones((3, 3)), duration="settled", step=0.1).plan
@@ -127,7 +127,7 @@ def test_a_plane_that_the_check_saw_saturated_is_not_read() -> None:
 
 
 def test_a_grey_rest_that_memory_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cnnsim.accuracy.verify_settled.LARGE", 100)
+    monkeypatch.setattr("cnnsim.solver.verify_settled.LARGE", 100)
     monkeypatch.setenv("CNNSIM_MEMORY", "40K")
     heat = Template([[0, 0.24, 0], [0.24, 0, 0.24], [0, 0.24, 0]])
     x = np.random.default_rng(0).uniform(-0.9, 0.9, (20, 20))

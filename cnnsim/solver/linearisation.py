@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.linear_rest import is_stable
-from cnnsim.accuracy.problem import largest
-from cnnsim.accuracy.sparse_solve import solve_sparse
 from cnnsim.backends.reference.terms import ReferenceNetwork
 from cnnsim.planning.general import largest_jump
 from cnnsim.planning.plan import Plan
+from cnnsim.solver.linear_rest import is_stable
+from cnnsim.solver.problem import largest
+from cnnsim.solver.sparse_solve import solve_sparse
 from cnnsim.support import Array, Flags, Floats, Integers
 
 AT_REST = 1e-13

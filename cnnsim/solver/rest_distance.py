@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cnnsim.accuracy.linear_rest import find_rest
-from cnnsim.accuracy.linear_system import LinearSystem, linear_system
-from cnnsim.accuracy.linearisation import AT_REST, remaining
-from cnnsim.accuracy.problem import changes, largest, size_of_drives
 from cnnsim.planning.plan import SETTLED_RATE, Plan
+from cnnsim.solver.linear_rest import find_rest
+from cnnsim.solver.linear_system import LinearSystem, linear_system
+from cnnsim.solver.linearisation import AT_REST, remaining
+from cnnsim.solver.problem import changes, largest, size_of_drives
 from cnnsim.support import Array, Flags, Floats
 
 SETTLED_DISTANCE = 1e-3

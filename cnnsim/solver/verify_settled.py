@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.rest_distance import Ending, SettledState, contraction_bound, solving_bytes
 from cnnsim.backends import in_float64
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.reference.drive import control
 from cnnsim.planning.plan import SETTLED_RATE, Plan
+from cnnsim.solver.rest_distance import Ending, SettledState, contraction_bound, solving_bytes
 from cnnsim.support import Array
 from cnnsim.support.memory import LARGE, check_memory
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from cnnsim import PERIODIC, ZERO_FLUX, Boundary, Template, Term, fixed, run_transient
-from cnnsim.accuracy.corrected_rk4 import clipped_integral
-from cnnsim.accuracy.step_refinement import _corrected_run
 from cnnsim.backends.reference.drive import control
 from cnnsim.prototyping.accuracy.work_precision import reference_state
+from cnnsim.solver.corrected_rk4 import clipped_integral
+from cnnsim.solver.step_refinement import _corrected_run
 from cnnsim.support import Floats
 from cnnsim.task import make_task
 from tests.benchmarks.accuracy.families import families

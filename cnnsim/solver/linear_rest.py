@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.linear_system import LinearSystem
-from cnnsim.accuracy.sparse_solve import solve_sparse
+from cnnsim.solver.linear_system import LinearSystem
+from cnnsim.solver.sparse_solve import solve_sparse
 from cnnsim.support import Flags, Floats
 
 _ROUNDS = 30

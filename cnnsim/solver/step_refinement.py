@@ -7,9 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.linear_system import linear_system
-from cnnsim.accuracy.problem import Solution, TransientProblem, largest
-from cnnsim.accuracy.tolerance import Tolerance
 from cnnsim.backends.base import Backend
 from cnnsim.backends.reference.drive import control
 from cnnsim.network.weights import reach
@@ -20,6 +17,9 @@ from cnnsim.planning.savings import stepped_savings
 from cnnsim.planning.scheme import HEUN, RK4, Scheme
 from cnnsim.planning.stability import step_limit
 from cnnsim.planning.step import check_count, divided
+from cnnsim.solver.linear_system import linear_system
+from cnnsim.solver.problem import Solution, TransientProblem, largest
+from cnnsim.solver.tolerance import Tolerance
 from cnnsim.support import Array
 
 CORRECTED_CELLS = 1 << 14
@@ -167,7 +167,7 @@ def is_corrected(problem: TransientProblem) -> bool:
 
 
 def _corrected_run(problem: TransientProblem) -> Run:
-    from cnnsim.accuracy.corrected_rk4 import corrected_steps  # numba is slow to import
+    from cnnsim.solver.corrected_rk4 import corrected_steps  # numba is slow to import
 
     plan, (state, u, bias, mask) = problem.plan, problem.planes
     system = linear_system(plan.template.feedback_taps, plan.shape, plan.boundary)

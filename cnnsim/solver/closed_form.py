@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.accuracy.problem import Solution, TransientProblem, largest
 from cnnsim.backends.base import Backend
 from cnnsim.backends.reference.drive import control
 from cnnsim.network import Term, pad
 from cnnsim.planning.plan import Plan
+from cnnsim.solver.problem import Solution, TransientProblem, largest
 from cnnsim.support import Array, Floats
 
 

@@ -1,0 +1,1 @@
+"""Solver: transients to a tolerance, error estimates, steady states, and the distance from them."""
