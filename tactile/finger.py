@@ -9,7 +9,7 @@ import numpy as np
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareMode
-from tactile.calibration.tare_check import TareNote, gap_note
+from tactile.calibration.tare_check import TareNote, end_note, gap_note
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.gaps import Gaps
 from tactile.core.noise import Noise, is_noise
@@ -67,7 +67,7 @@ class Finger:
         ]
         self._own = self._detectors[len(SHIPPED) :]
         self._travel, self._whole = Travel(), Signals((1, 1), "force")
-        least = contact.dead_band if array.quantity == "force" else CONTACT["force"].dead_band
+        least = (contact if array.quantity == "force" else CONTACT["force"]).dead_band
         self._figures = Texture(settings.window, least if settings.floor is None else settings.floor)
         self._last_figures: TextureFigures | None = None
         self._machine, self._inverse = machine, inverse_program(array, modulus, contact.dead_band)
@@ -75,9 +75,8 @@ class Finger:
             machine.prepare(self._inverse, array.shape)
         alone = self._inverse is not None and machine.backend.name == "cpu" and self._radial is None
         self._point = FrameFit(array, modulus, contact.dead_band) if alone else None
-        self._positions = array.positions()
+        self._positions, self._newtons = array.positions(), newtons(array, modulus)
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
-        self._newtons = newtons(array, modulus)
         self._hidden = None if self._inverse is None else HiddenContact(array, self._newtons)
         self._rails = Saturation(array.shape)
         self._saturated: Flags | None = None
@@ -111,8 +110,10 @@ class Finger:
                 taken = note.offset - (note.offset if self._offset is None else self._offset)
                 self._offset = note.offset
                 self._signals.forget_drift(taken if self._gains is None else self._gains(taken))
-        if self._noise is not None and self._inverse is not None:
+        if self._noise is not None:
             self._saturated = self._rails(raw.values, self._noise.jitter)
+            if self._saturated is not None and (words := self._rails.words(raw.values)):
+                self.tare.notes.append(end_note(self._number, raw.t, words))
         return frame if self._gains is None else replace(frame, values=self._gains(frame.values))
 
     def _set_noise(self) -> None:

@@ -114,6 +114,11 @@ def gap_note(finger: int, last: float, t: float) -> TareNote:
     return TareNote(finger, t, gap, None, "all events end, and a new tare is taken", notice=True)
 
 
+def end_note(finger: int, t: float, words: str) -> TareNote:
+    """Return the note on saturated taxels at ``t`` [s]."""
+    return TareNote(finger, t, words, None, "their newtons, and the sum, are lower bounds", notice=True)
+
+
 def measure(value: float, quantity: Quantity) -> str:
     """Return a value for display, with its unit."""
     factor, unit = UNITS[quantity]

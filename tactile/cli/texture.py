@@ -193,8 +193,8 @@ def report(
         echo(f"{facts['materials']} materials, {len(slides)} slides, {windows}")
         _print(found)
     if output is not None:
-        names = names[not shear :]
-        echo(f"wrote {', '.join(str(output / name) for name in names)}", err=as_json)
+        written = names if shear else names[1:]
+        echo(f"wrote {', '.join(str(output / name) for name in written)}", err=as_json)
 
 
 def _slides(path: Path, labels: Path | None, speed: float | None, layout: Path | None) -> "list[Slide]":

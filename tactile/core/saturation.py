@@ -25,6 +25,7 @@ class Saturation:
         self._hits = np.zeros((*shape, 3, 2, 2), np.int64)
         self._before, self._steps = np.full((*shape, 3), np.nan), np.full(3, np.inf)
         self._saturated: Flags = np.zeros(shape, bool)
+        self._named: Flags = np.zeros(shape, bool)
 
     def __call__(self, values: Floats, jitter: Floats) -> Flags | None:
         """Process a frame; ``jitter`` (rows, cols, 3) is the unloaded noise from one reading to the next."""
@@ -33,3 +34,10 @@ class Saturation:
             read, self._before, jitter, BAND, self._ends, self._hits, self._steps, (LEAST, OFTEN), self._saturated
         )
         return self._saturated if self._saturated.any() else None
+
+    def words(self, values: Floats) -> str:
+        """Return the taxels that are saturated for the first time, with their readings; empty without any."""
+        new = self._saturated & ~self._named
+        self._named |= new
+        said = [f"({i}, {j}) at {max(values[i, j].tolist(), key=abs):g}" for i, j in np.argwhere(new).tolist()]
+        return f"taxels that stand at an end of their range: {', '.join(said)}" if said else ""

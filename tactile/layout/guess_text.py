@@ -6,7 +6,8 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.noise import NORMAL_MAD
-from tactile.layout.guess import Group, Guess
+from tactile.layout.groups import Group
+from tactile.layout.guess import Guess
 from tactile.layout.table import Table
 
 SHOWN = 40

@@ -66,29 +66,35 @@ def _opened(path: Path) -> Any:
     from rosbags.highlevel import AnyReader  # within the limits
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    def store(kind: str = "", pillar: str = "", state: str = "") -> Any:
-        types = get_typestore(Stores.ROS2_HUMBLE)
-        if kind:
-            package = kind.split("/", maxsplit=1)[0]
-            types.register(get_types_from_msg(pillar, f"{package}/msg/PillarState"))
-            types.register(get_types_from_msg(state.format(package), kind))
-        return types
+    types = get_typestore(Stores.ROS2_HUMBLE)
 
-    with AnyReader([path], default_typestore=store()) as bag:
+    def register(package: str, form: tuple[str, str]) -> str:
+        kind, (pillar, state) = f"{package}/msg/{KIND}", form
+        types.register(get_types_from_msg(pillar, f"{package}/msg/PillarState"))
+        types.register(get_types_from_msg(state.format(package), kind))
+        return kind
+
+    with AnyReader([path], default_typestore=types) as bag:
         known = bag.typestore.fielddefs
         bare = [one for one in bag.connections if one.msgtype.endswith(f"/{KIND}") and one.msgtype not in known]
         first = [raw for one in bare[:1] for _, _, raw in _first(bag.messages([one]))]
-    for kind, raw in ((one.msgtype, raw) for one, raw in zip(bare, first, strict=False)):
-        for pillar, state in DEFINITIONS:
-            types = store(kind, pillar, state)
+    for raw in first:
+        for number, form in enumerate(DEFINITIONS):
+            kind = register(f"form{number}", form)
             try:
                 again = bytes(types.serialize_cdr(types.deserialize_cdr(raw, kind), kind))
             except Exception:  # the library raises anything on bytes of another definition
                 continue
             if again == bytes(raw)[: len(again)] and len(raw) - len(again) < 4:
-                return AnyReader([path], default_typestore=types)
-        raise ValueError(f"no definition of {kind} in it, and its messages of {len(raw)} bytes are of no known form")
-    return AnyReader([path], default_typestore=store())
+                for package in {one.msgtype.split("/", maxsplit=1)[0] for one in bare}:
+                    register(package, form)
+                break
+        else:
+            kind = bare[0].msgtype
+            raise ValueError(
+                f"no definition of {kind} in it, and its messages of {len(raw)} bytes are of no known form"
+            )
+    return AnyReader([path], default_typestore=types)
 
 
 def _first(messages: Iterator[Any]) -> list[Any]:

@@ -12,6 +12,7 @@ from cnnsim.support import InputError
 from tactile.core.frame import FLAGS, TaxelArray
 from tactile.core.source import ForeignFileError, FrameStream, Provenance
 from tactile.sources.columns import ColumnFrames, take_column
+from tactile.sources.stamps import counted, settled
 
 PILLAR_PITCH = 7e-3
 """Nominal distance of neighbouring pillars of a PapillArray [m]; files do not have it."""
@@ -55,7 +56,7 @@ def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarStream:
     if not found:
         names = ", ".join(file.files) or "nothing"
         raise ForeignFileError(f"{path}: holds {names}; s0_force, s0_t_ns, s0_seq, s0_tus wanted")
-    arrays, fingers = zip(*(_read_sensor(file, number, path) for number in found), strict=True)
+    arrays, fingers, notes = zip(*(_read_sensor(file, number, path) for number in found), strict=True)
     start = min(int(columns["place"].min()) for columns in fingers)
     for columns in fingers:
         columns["t_s"] = (columns["place"] - start) * 1e-9
@@ -63,11 +64,16 @@ def read_pillars(file: "np.lib.npyio.NpzFile", path: Path) -> PillarStream:
     read = {f"s{number}_{name}" for number in found for name in ("force", *STAMPS, "flags")}
     others = tuple(name for name in file.files if name not in read)
     known = Provenance(untared=True, start_ns=start)
-    return PillarStream(path.stem, arrays, None, len(frames), frames, known, others=others)
+    return PillarStream(
+        path.stem, arrays, None, len(frames), frames, known, notes=tuple(filter(None, notes)), others=others
+    )
 
 
-def _read_sensor(file: "np.lib.npyio.NpzFile", number: int, path: Path) -> tuple[TaxelArray, dict[str, Any]]:
-    """Return the array of a sensor, and its columns without ``t_s``; ``place`` is the host stamp [ns]."""
+def _read_sensor(file: "np.lib.npyio.NpzFile", number: int, path: Path) -> tuple[TaxelArray, dict[str, Any], str]:
+    """Return the array of a sensor, its columns without ``t_s``, and a note; ``place`` is the host stamp [ns].
+
+    Host stamps with a fault are replaced by the device's clock or the sequence numbers.
+    """
     name = f"s{number}"
     for wanted in STAMPS:
         if f"{name}_{wanted}" not in file.files:
@@ -78,6 +84,11 @@ def _read_sensor(file: "np.lib.npyio.NpzFile", number: int, path: Path) -> tuple
     array = pillar_array(f"sensor-{number}", force.shape[1], f"{path}: {name}_force")
     values, count = force.reshape(-1, *array.shape, 3), force.shape[:1]
     host, sequence, device = (take_column(file, f"{name}_{one}", count, np.int64, path) for one in STAMPS)
+    seconds, clock = (host - host[0]) * 1e-9, (device - device[0]) * 1e-6
+    others = {"the device": clock, "the sequence numbers": counted(sequence.astype(np.float64), seconds)}
+    times, note = settled(seconds, others, f"{path}: stamps {name}_t_ns")
+    if note:
+        host = host[0] + np.round(times * 1e9).astype(np.int64)
     columns = {
         "values": values, "valid": np.isfinite(values).all(-1), "t_device_s": device * 1e-6, "sequence": sequence,
         "place": host,
@@ -85,4 +96,4 @@ def _read_sensor(file: "np.lib.npyio.NpzFile", number: int, path: Path) -> tuple
     if f"{name}_flags" in file.files:
         flags = take_column(file, f"{name}_flags", (*count, len(FLAGS)), np.int64, path)
         columns["flags"] = (flags != 0).astype(np.int64) @ np.array(list(FLAGS.values()))
-    return array, columns
+    return array, columns, note

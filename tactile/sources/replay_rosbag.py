@@ -35,7 +35,7 @@ from tactile.sources.stamps import UNIX, settled
 
 LATE = 0.5
 """[s] Largest delay of a message behind one with a later stamp."""
-PATIENCE = 4.0
+PATIENCE = 8.0
 """[s] Time limit for reading the index of a bag."""
 WHOLE = 30
 """Number of these limits for reading a whole topic."""
@@ -101,7 +101,7 @@ def _times(stamps: list[list[tuple[int, int, float]]]) -> tuple[list[Floats], in
     """
     headers, recorded = ([np.array([one[k] for one in topic], np.int64) for topic in stamps] for k in (0, 1))
     start = min(int(topic.min()) for topic in recorded)
-    bag = [(topic - start) * 1e-9 for topic in recorded]
+    bag: list[Floats] = [np.asarray((topic - start) * 1e-9, np.float64) for topic in recorded]
     if any((topic == NONE).any() for topic in headers):
         return bag, start, ""
     first = min(int(topic[0]) for topic in headers)

@@ -69,7 +69,7 @@ def test_a_zero_that_falls_is_recognised_and_taken() -> None:
     values[t >= 5, ..., 2] -= RNG.uniform(0.3, 0.6, (3, 4))
     events, notes = found(force_stream(t, values))
     assert Counter(one.kind for one in events) == {"contact": 3, "load": 3, "hold": 3, "release": 3}
-    assert min(one.data["force_n"] for one in events if one.kind == "hold") > 0
+    assert min(float(one.data["force_n"]) for one in events if one.kind == "hold") > 0
     ((note),) = notes
     assert note.why == "the zero moved at 5.000 s"
     assert note.t < 5.7
@@ -104,6 +104,18 @@ def test_converter_steps_are_no_events(step: float, sigma: float) -> None:
     kinds = Counter(one.kind for one in events)
     assert kinds.pop("load", 1) == 1
     assert kinds == {"contact": 1, "hold": 1, "release": 1}
+
+
+def test_taxels_at_the_end_of_their_range_are_named() -> None:
+    t = np.arange(0, 8, 0.005)
+    values = pressed(t, pad(t), (2, 6))
+    values[(t >= 2) & (t < 6), 0, 1, 2] *= 3
+    values[..., 2] = np.minimum(values[..., 2], 0.9)  # the converter's last value
+    _, notes = found(force_stream(t, values))
+    assert [note.why for note in notes] == ["taxels that stand at an end of their range: (0, 1) at 0.9"]
+    assert notes[0].detail == "their newtons, and the sum, are lower bounds"
+    values = pressed(t, pad(t), (2, 6))
+    assert not found(force_stream(t, values))[1]
 
 
 def test_arrays_of_the_normal_alone_have_contacts_and_holds_and_no_slip() -> None:

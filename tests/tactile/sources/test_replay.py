@@ -179,6 +179,20 @@ def test_wrong_npz_is_refused(tmp_path: Path, name: str, value: Any, message: st
         read_npz(changed.save(tmp_path / "r.npz"))
 
 
+def test_host_stamps_that_step_back_are_replaced_by_the_device_clock(tmp_path: Path) -> None:
+    changed = pillars((0,), 20)
+    changed.arrays["s0_t_ns"][12:] -= 10**9
+    source = read_npz(changed.save(tmp_path / "r.npz"))
+    frames = list(source)
+    assert [frame.sequence for frame in frames] == list(range(7, 27))
+    assert [frame.t for frame in frames] == pytest.approx([n / 1000 for n in range(20)], abs=1e-9)
+    (note,) = source.notes
+    assert "step back by 0.998 s at sample 12; the times of the device are used" in note
+    changed.arrays["s0_tus"][:], changed.arrays["s0_seq"][:] = 5, 5
+    with pytest.raises(InputError, match="there is no other clock"):
+        read_npz(changed.save(tmp_path / "r.npz"))
+
+
 def test_npz_of_something_else_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="holds a; s0_force"):
         read_npz(Pillars({"a": 1}).save(tmp_path / "r.npz"))
