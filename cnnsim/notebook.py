@@ -17,6 +17,12 @@ from cnnsim.support import Array
 from cnnsim.support.values import as_picture
 
 
+def _module(*names: str) -> str:
+    """Return modules of the page as one, without their imports of each other."""
+    lines = [line for name in names for line in (PAGE / name).read_text(encoding="utf-8").splitlines()]
+    return "\n".join(line for line in lines if not line.startswith("import "))
+
+
 class Playground(anywidget.AnyWidget):
     """A template at work on a picture, which can be drawn in; `change` acts while it runs.
 
@@ -30,7 +36,7 @@ class Playground(anywidget.AnyWidget):
         InputError: no such template, a picture that does not fit, or a wrong change.
     """
 
-    _esm = PAGE / "view.js"
+    _esm = _module("base.js", "pane.js", "view.js")
     _css = PAGE / "view.css"
 
     def __init__(

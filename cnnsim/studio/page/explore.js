@@ -1,9 +1,9 @@
 // The panel Chips: how precise a chip must be, and what accuracy costs, on the picture of the page.
 
-import { h } from "./view.js";
+import { h } from "./base.js";
 import { plot } from "./panels.js";
 
-/** @typedef {import("./view.js").Content} Content */
+/** @typedef {import("./base.js").Content} Content */
 
 export class ExplorePanel {
   /** @param {HTMLElement} host @param {import("./view.js").View} view */

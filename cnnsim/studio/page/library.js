@@ -1,9 +1,9 @@
 // The panels Library and Programs.
 
-import { h, paint } from "./view.js";
+import { h, paint } from "./base.js";
 
-/** @typedef {import("./view.js").Content} Content */
-/** @typedef {import("./view.js").Reply} Reply */
+/** @typedef {import("./base.js").Content} Content */
+/** @typedef {import("./base.js").Reply} Reply */
 
 const VERDICT = new Uint32Array(256).fill(0xff3ad1e6).fill(0xffdadada, 0, 1).fill(0xff2a1ed2, 1, 2);
 

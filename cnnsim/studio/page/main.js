@@ -4,10 +4,11 @@ import { ExplorePanel } from "./explore.js";
 import { LibraryPanel, ProgramsPanel } from "./library.js";
 import { CellPanel, Rules } from "./panels.js";
 import { SocketModel } from "./socket.js";
-import { Link, View, h } from "./view.js";
+import { Link, h } from "./base.js";
+import { View } from "./view.js";
 import { Weights } from "./weights.js";
 
-/** @typedef {import("./view.js").Content} Content */
+/** @typedef {import("./base.js").Content} Content */
 
 const find = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const model = new SocketModel(() => start(), (reason) => view.say(reason || "the studio has ended; start it again", true));

@@ -1,8 +1,8 @@
 // The panels Run and Cell: how the network is computed, and what one cell does.
 
-import { h } from "./view.js";
+import { h } from "./base.js";
 
-/** @typedef {import("./view.js").Content} Content */
+/** @typedef {import("./base.js").Content} Content */
 const uPlot = /** @type {any} */ (globalThis).uPlot;
 const COLOURS = { light: ["#0072b2", "#d55e00", "#009e73", "#cc79a7"], dark: ["#56b4e9", "#e69f00", "#2fbf98", "#e29cc3"] };
 
@@ -25,7 +25,8 @@ export class Rules {
   /** @param {HTMLElement} host @param {(changes: Content) => void} change */
   constructor(host, change) {
     const choice = (/** @type {string} */ name, /** @type {any} */ empty = undefined) => h("select", { name, onchange: (/** @type {any} */ e) => change({ [name]: e.target.value || empty }) });
-    const number = (/** @type {string} */ name, /** @type {string} */ hint, /** @type {any} */ empty) => h("input", { name, placeholder: hint, inputmode: "decimal", onchange: (/** @type {any} */ e) => {
+    const number = (/** @type {string} */ name, /** @type {string} */ hint, /** @type {any} */ empty) => h("input", { name, placeholder: hint, inputmode: "decimal", oninput: (/** @type {any} */ e) => (e.target.dataset.typing = "1"), onchange: (/** @type {any} */ e) => {
+      delete e.target.dataset.typing;
       const text = e.target.value.trim();
       change({ [name]: text === "" ? empty : Number.isFinite(Number(text)) ? Number(text) : text });
     } });
@@ -59,7 +60,7 @@ export class Rules {
   show(now) {
     const set = (/** @type {any} */ field, /** @type {any} */ value) => {
       if (field.options && ![...field.options].some((one) => one.value === String(value))) field.append(h("option", { value }, value));
-      if (document.activeElement !== field || field.options) field.value = value ?? "";
+      if (!field.dataset.typing) field.value = value ?? "";
     };
     const fixed = /^fixed:(.*),\1$/.exec(now.boundary);
     set(this.fields.boundary, fixed ? `fixed:${fixed[1]}` : now.boundary);

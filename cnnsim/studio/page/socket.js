@@ -1,6 +1,6 @@
-// A model for view.js over the websocket of the studio's server.
+// A model for the view over the websocket of the studio's server.
 
-/** @typedef {import("./view.js").Content} Content */
+/** @typedef {import("./base.js").Content} Content */
 
 /** A message is JSON, or with buffers: length of the JSON (4 bytes, little-endian), JSON, buffers. */
 export class SocketModel {

@@ -1,172 +1,12 @@
 // The picture view: an Anywidget module that shows input and state, draws into them, and plays the run.
-// It imports nothing, so that a notebook can load it as one file; the page gives it a model over a websocket.
+// A notebook loads it with base.js and pane.js as one file; so no two names of the three are the same.
 
-/** @typedef {{[key: string]: any}} Content */
-/** @typedef {{content: Content, buffers: Uint8Array[]}} Reply */
-/** @typedef {{send(content: Content, callbacks?: any, buffers?: any[]): void, on(event: string, call: any): void}} Model */
+import { BLACK, GREY, Link, WHITE, h, paint } from "./base.js";
+import { Pane } from "./pane.js";
 
-export const WHITE = 16, GREY = 128, BLACK = 240;
-
-/** Makes an element: h("button", {class: "x", onclick: f}, "text").
- * @param {string} tag @param {Content} [props] @param {...any} inside @returns {any} */
-export function h(tag, props = {}, ...inside) {
-  const element = document.createElement(tag);
-  for (const [key, value] of Object.entries(props)) {
-    if (value === undefined || value === null || value === false) continue;
-    if (typeof value === "function") element.addEventListener(key.slice(2), value);
-    else if (key === "value") /** @type {any} */ (element).value = value;
-    else element.setAttribute(key, value === true ? "" : String(value));
-  }
-  element.append(...inside.flat().filter((one) => one !== null && one !== undefined));
-  return element;
-}
-
-/** Colours of the 256 palette indices as little-endian RGBA: grey inside [-1, 1], orange above, blue below. */
-export const PALETTE = (() => {
-  const mix = (/** @type {number[]} */ a, /** @type {number[]} */ b, /** @type {number} */ s) =>
-    a.map((v, i) => Math.round(v + (b[i] - v) * s));
-  const colours = new Uint32Array(256);
-  for (let i = 0; i < 256; i++) {
-    const level = Math.round(255 - ((i - WHITE) * 255) / (BLACK - WHITE));
-    const [r, g, b] = i > BLACK ? mix([64, 26, 8], [205, 98, 20], (i - BLACK - 1) / 14)
-      : i < WHITE ? mix([224, 240, 252], [112, 176, 224], (WHITE - 1 - i) / 15) : [level, level, level];
-    colours[i] = (255 << 24) | (b << 16) | (g << 8) | r;
-  }
-  return colours;
-})();
-
-/** The pixels of each canvas, used again for every picture. @type {WeakMap<HTMLCanvasElement, ImageData>} */
-const IMAGES = new WeakMap();
-
-/** Draws palette indices (rows, cols) into a canvas of as many pixels.
- * @param {HTMLCanvasElement} canvas @param {Uint8Array} bytes @param {number[]} shape @param {Uint32Array} [colours] */
-export function paint(canvas, bytes, shape, colours = PALETTE) {
-  const [rows, cols] = shape, context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-  if (canvas.width !== cols || canvas.height !== rows) [canvas.width, canvas.height] = [cols, rows];
-  let image = IMAGES.get(canvas);
-  if (image?.width !== cols || image.height !== rows) IMAGES.set(canvas, (image = context.createImageData(cols, rows)));
-  const pixels = new Uint32Array(image.data.buffer);
-  for (let i = 0; i < pixels.length; i++) pixels[i] = colours[bytes[i]];
-  context.putImageData(image, 0, 0);
-}
-
-/** Requests and their replies over a model; of requests in one slot only the last one waits. */
-export class Link {
-  /** @param {Model} model */
-  constructor(model) {
-    this.model = model;
-    this.number = 0;
-    /** @type {Map<number, {yes: (reply: Reply) => void, no: (error: Error) => void}>} */
-    this.asked = new Map();
-    /** @type {Map<string, {busy: boolean, next: null | (() => Promise<any>)}>} */
-    this.slots = new Map();
-    /** @type {Set<(reply: Reply) => void>} */
-    this.seen = new Set();
-    /** @type {(text: string) => void} */
-    this.failed = () => {};
-    /** @type {(busy: boolean) => void} */
-    this.waits = () => {};
-    model.on("msg:custom", (/** @type {Content} */ content, /** @type {any[]} */ buffers) => {
-      const views = (buffers || []).map((b) => (b instanceof Uint8Array ? b : new Uint8Array(b.buffer || b)));
-      const waits = this.asked.get(content.id);
-      this.asked.delete(content.id);
-      if (content.is === "error") {
-        this.failed(content.text);
-        waits?.no(new Error(content.text));
-        return;
-      }
-      const reply = { content, buffers: views };
-      for (const call of this.seen) call(reply);
-      waits?.yes(reply);
-    });
-  }
-
-  /** @param {Content} content @param {Uint8Array[]} [buffers] @returns {Promise<Reply>} */
-  ask(content, buffers = []) {
-    const id = ++this.number;
-    let waited = false;
-    const late = setTimeout(() => this.waits((waited = true)), 2500);
-    return new Promise((yes, no) => {
-      const over = (/** @type {any} */ call) => (/** @type {any} */ value) => {
-        clearTimeout(late);
-        if (waited) this.waits(false);
-        call(value);
-      };
-      this.asked.set(id, { yes: over(yes), no: over(no) });
-      this.model.send({ ...content, id }, undefined, buffers);
-    });
-  }
-
-  /** Asks when the slot's last request is answered; what waited in the slot is dropped.
-   * @param {string} slot @param {() => Promise<any>} make */
-  async latest(slot, make) {
-    const state = this.slots.get(slot) || { busy: false, next: null };
-    this.slots.set(slot, state);
-    state.next = make;
-    if (state.busy) return;
-    state.busy = true;
-    while (state.next) {
-      const go = state.next;
-      state.next = null;
-      await go().catch(() => {});
-    }
-    state.busy = false;
-  }
-}
-
-/** One canvas with a marked cell and an overlay; it fits its box and knows which cell a pointer is on. */
-class Pane {
-  /** @param {string} label */
-  constructor(label) {
-    this.shape = [1, 1];
-    /** @type {Uint8Array} */
-    this.bytes = new Uint8Array([WHITE]);
-    this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": label });
-    this.overlay = h("canvas", { class: "cw-overlay" });
-    this.mark = h("div", { class: "cw-mark", hidden: true });
-    this.stack = h("div", { class: "cw-stack" }, this.canvas, this.overlay, this.mark);
-    this.box = h("div", { class: "cw-box" }, this.stack);
-    this.cursor = [0, 0];
-    new ResizeObserver(() => this.fit()).observe(this.box);
-  }
-
-  /** @param {Uint8Array} bytes @param {number[]} shape */
-  show(bytes, shape) {
-    const grown = shape[0] !== this.shape[0] || shape[1] !== this.shape[1];
-    [this.bytes, this.shape] = [bytes, shape];
-    paint(this.canvas, bytes, shape);
-    if (grown) {
-      this.fit();
-      this.mark.hidden = true;
-      this.overlay.width = this.overlay.height = 1;
-    }
-  }
-
-  fit() {
-    const [rows, cols] = this.shape, { clientWidth: width, clientHeight: height } = this.box;
-    const scale = Math.min(width / cols, height / rows), whole = scale > 2 ? Math.floor(scale) : scale;
-    this.stack.style.width = `${cols * whole}px`;
-    this.stack.style.height = `${rows * whole}px`;
-  }
-
-  /** @param {PointerEvent} event @returns {[number, number]} */
-  cell(event) {
-    const at = this.canvas.getBoundingClientRect(), [rows, cols] = this.shape;
-    const row = Math.floor(((event.clientY - at.top) / at.height) * rows);
-    const col = Math.floor(((event.clientX - at.left) / at.width) * cols);
-    return [Math.max(0, Math.min(rows - 1, row)), Math.max(0, Math.min(cols - 1, col))];
-  }
-
-  /** @param {number} row @param {number} col */
-  point(row, col) {
-    const [rows, cols] = this.shape;
-    this.cursor = [row, col];
-    this.mark.hidden = false;
-    Object.assign(this.mark.style, {
-      left: `${(col / cols) * 100}%`, top: `${(row / rows) * 100}%`, width: `${100 / cols}%`, height: `${100 / rows}%`,
-    });
-  }
-}
+/** @typedef {import("./base.js").Content} Content */
+/** @typedef {import("./base.js").Reply} Reply */
+/** @typedef {import("./base.js").Model} Model */
 
 /** The whole view. */
 export class View {
@@ -179,6 +19,8 @@ export class View {
     this.ended = false;
     /** @type {Content} */
     this.session = {};
+    /** @type {Content} */
+    this.changes = {};
     /** @type {Uint8Array} */
     this.input = new Uint8Array();
     /** @type {Uint8Array} */
@@ -196,8 +38,8 @@ export class View {
     this.left = new Pane("input u: draw here");
     this.right = new Pane("state x: click a cell");
     this.build(host);
-    this.bind(this.left, () => this.side);
-    this.bind(this.right, () => "state");
+    this.left.bind(this, () => this.side);
+    this.right.bind(this, () => "state");
     link.failed = (text) => this.say(text, true);
     link.waits = (busy) => this.say(busy ? "computing; loops are compiled when they are first used" : "");
     link.seen.add((reply) => {
@@ -408,97 +250,20 @@ export class View {
   /** Sends a change of the setup; it acts on the running network, or on the picture of the same time.
    * @param {Content} changes */
   change(changes) {
-    this.link.latest("set", () => this.link.ask({ do: "set", changes, live: this.playing, layer: this.layer, frame: this.frame }));
+    this.changes = { ...this.changes, ...changes }; // of one thing the last wins, of several none is lost
+    this.link.latest("set", () => {
+      const all = this.changes;
+      this.changes = {};
+      const shown = { layer: this.layer, frame: this.frame };
+      return this.link.ask({ do: "set", changes: all, live: this.playing, ...shown })
+        .catch(() => this.link.ask({ do: "planes", ...shown })); // a refused change is taken back
+    });
   }
 
   /** @param {string} text @param {boolean} [wrong] */
   say(text, wrong = false) {
     this.status.textContent = text;
     this.status.classList.toggle("cw-wrong", wrong);
-  }
-
-  /** @param {Pane} pane @param {() => string} plane */
-  bind(pane, plane) {
-    const ink = () => Number(/** @type {any} */ (this.ink.querySelector("input:checked")).value);
-    let last = /** @type {any} */ (null), dirty = /** @type {any} */ (null), moved = false, value = BLACK;
-    const dab = (/** @type {number} */ row, /** @type {number} */ col) => {
-      const size = Number(this.brush.value), r = (size - 1) / 2, [rows, cols] = pane.shape;
-      for (let i = Math.ceil(row - r); i <= row + r; i++)
-        for (let j = Math.ceil(col - r); j <= col + r; j++) {
-          const inside = size < 4 || (i - row) ** 2 + (j - col) ** 2 <= r * r + 0.5;
-          if (!inside || i < 0 || j < 0 || i >= rows || j >= cols) continue;
-          pane.bytes[i * cols + j] = value;
-          dirty = dirty ? [Math.min(dirty[0], i), Math.min(dirty[1], j), Math.max(dirty[2], i), Math.max(dirty[3], j)] : [i, j, i, j];
-        }
-    };
-    const line = (/** @type {number[]} */ from, /** @type {number[]} */ to) => {
-      const steps = Math.max(Math.abs(to[0] - from[0]), Math.abs(to[1] - from[1]), 1);
-      for (let k = 0; k <= steps; k++)
-        dab(Math.round(from[0] + ((to[0] - from[0]) * k) / steps), Math.round(from[1] + ((to[1] - from[1]) * k) / steps));
-      paint(pane.canvas, pane.bytes, pane.shape);
-      this.link.latest(`draw ${plane()}`, send);
-    };
-    const send = async () => {
-      if (!dirty) return;
-      const [top, left, bottom, right] = dirty, cols = pane.shape[1], wide = right - left + 1;
-      dirty = null;
-      const bytes = new Uint8Array((bottom - top + 1) * wide);
-      for (let i = top; i <= bottom; i++) bytes.set(pane.bytes.subarray(i * cols + left, i * cols + right + 1), (i - top) * wide);
-      await this.link.ask({ do: "draw", plane: plane(), row: top, col: left, rows: bottom - top + 1, cols: wide,
-        live: this.playing, layer: this.layer, frame: this.frame }, [bytes]);
-    };
-    const state = () => plane() === "state";
-    const begin = (/** @type {number[]} */ cell) => {
-      this.stroke = true;
-      if (state()) this.pause();
-      pane.bytes = pane.bytes.slice();
-      line(cell, cell);
-    };
-    const end = () => {
-      this.link.latest(`draw ${plane()}`, async () => {
-        await send();
-        this.stroke = false;
-        if (!state()) await this.restart();
-        this.ended = false;
-        this.play();
-      });
-    };
-    pane.canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
-      pane.canvas.setPointerCapture(event.pointerId);
-      value = event.button === 2 ? WHITE : ink();
-      [last, moved] = [pane.cell(event), false];
-      if (!state()) begin(last);
-    });
-    pane.canvas.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-      if (!last) return;
-      const cell = pane.cell(event);
-      if (cell[0] === last[0] && cell[1] === last[1]) return;
-      if (state() && !moved) begin(last);
-      moved = true;
-      line(last, cell);
-      last = cell;
-    });
-    const up = () => {
-      if (!last) return;
-      if (state() && !moved) this.inspect(last[0], last[1]);
-      else end();
-      last = null;
-    };
-    pane.canvas.addEventListener("pointerup", up);
-    pane.canvas.addEventListener("pointercancel", up);
-    pane.canvas.addEventListener("contextmenu", (/** @type {Event} */ event) => event.preventDefault());
-    pane.canvas.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
-      const move = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
-      if (move) pane.point(Math.max(0, Math.min(pane.shape[0] - 1, pane.cursor[0] + move[0])),
-        Math.max(0, Math.min(pane.shape[1] - 1, pane.cursor[1] + move[1])));
-      else if (event.key === "Enter" && state()) this.inspect(pane.cursor[0], pane.cursor[1]);
-      else if (event.key === "Enter") {
-        value = ink();
-        begin(pane.cursor);
-        end();
-      } else return;
-      event.preventDefault();
-    });
   }
 
   /** @param {number} row @param {number} col */

@@ -1,8 +1,8 @@
 // The numbers of a template: A, B, z and its terms in grids that are typed, dragged or turned with the wheel.
 
-import { h } from "./view.js";
+import { h } from "./base.js";
 
-/** @typedef {import("./view.js").Content} Content */
+/** @typedef {import("./base.js").Content} Content */
 
 /** Rounds away what the addition of 0.1 leaves behind. @param {number} value */
 const tidy = (value) => Number(value.toPrecision(12));

@@ -205,7 +205,7 @@ def test_a_change_while_it_runs_is_seen(browser: Browser) -> None:
     browser.page.uncheck("[name=rest]")
     browser.page.click("[name=play]")
     browser.until("Number(document.querySelector('[name=scrub]').value) > 20")
-    browser.page.fill("[aria-label='z, bias']", "8")  # now black wins
+    browser.page.fill("[aria-label='z, bias']", "14")  # now black wins everywhere
     browser.orange()
     assert "Pause" in browser.text("[name=play]")
     browser.page.check("[name=rest]")
@@ -245,6 +245,7 @@ def test_rules_change_boundary_cell_scheme_step_accuracy_and_backend(browser: Br
     browser.page.fill("[name=step]", "99")
     browser.page.press("[name=step]", "Enter")
     browser.until("document.querySelector('.cw-status').textContent.includes('stable')")
+    browser.until("document.querySelector('#panel-run [name=step]').value", "0.05")  # what is refused is taken back
     browser.page.select_option("[name=scheme]", "")
     browser.page.fill("[name=accuracy]", "1e-3")
     browser.page.press("[name=accuracy]", "Enter")
