@@ -67,7 +67,7 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
         skin = load_calibration(choices.calibration)
     options = lived.but(choices.options) if lived else choices.options
     settings = replace(options, tare=mode).settings(source, skin, choices.gains)
-    notes = tuple(getattr(source, "range_notes", ()))  # of scenes
+    notes = (*getattr(source, "range_notes", ()), *getattr(source, "notes", ()))  # of scenes, of readers
     bumps, forces = getattr(source, "bumps", None), ""  # scenes may have them
     if bumps is not None and choices.calibration is None:
         settings, forces = _on_bumps(settings, source.arrays, bumps)

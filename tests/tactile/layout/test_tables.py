@@ -172,6 +172,8 @@ def test_cells_that_are_no_numbers_and_lines_of_other_lengths_are_reported(tmp_p
     said = " ".join(getattr(source, "notes", ()))
     assert "1 of 60 lines have not 20 cells and are skipped, the first has 3: '1;2;3'" in said
     assert "S: 2 readings of taxels are no numbers" in said
+    told = " ".join(call("run", tmp_path / "a.csv").stderr.split())
+    assert all(f"note: {note}" in told for note in getattr(source, "notes", ()))
 
 
 @pytest.mark.parametrize(
