@@ -7,7 +7,7 @@ import pytest
 
 import cnnsim
 from cnnsim import InputError, Template, library
-from cnnsim.prototyping.functions import entry_of
+from cnnsim.prototyping.functions import Subject, entry_of
 
 PICTURE = np.where(np.random.default_rng(0).random((9, 11)) < 0.4, 1.0, -1.0)
 EDGE = Template([[0, 0, 0], [0, 1, 0], [0, 0, 0]], [[-1, -1, -1], [-1, 8, -1], [-1, -1, -1]], -1)
@@ -27,7 +27,7 @@ def test_a_design_from_a_pair_of_pictures() -> None:
 
 
 @pytest.mark.parametrize("subject", ["edge", EDGE, library.load("edge")], ids=["name", "template", "entry"])
-def test_what_a_name_a_template_and_an_entry_give(subject: object) -> None:
+def test_what_a_name_a_template_and_an_entry_give(subject: Subject) -> None:
     found = cnnsim.robust(subject, draws=2)
     assert found.margin.value == 1
     assert found.bits_needed() is not None
