@@ -167,6 +167,8 @@ def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **c
     from tactile.cli.port.live import paced as at_its_time
     from tactile.wire.source import WireSource  # the same
 
+    if recording.is_file() and recording.suffix.lower() != ".mcap":
+        raise InputError(f"{recording}: the bytes of a port (.mcap) wanted; `tactile run {recording}` takes its frames")
     recorded = need("tactile.recording.reader", "an MCAP recording").open_recording(recording)
     report_damage(recording, recorded.mark)
     if not recorded.has_wire:
