@@ -70,10 +70,11 @@ class Finger:
         least = (contact if array.quantity == "force" else CONTACT["force"]).dead_band
         self._figures = Texture(settings.window, least if settings.floor is None else settings.floor)
         self._last_figures: TextureFigures | None = None
-        self._machine, self._inverse = machine, inverse_program(array, modulus, contact.dead_band)
+        self._machine, self._inverse = machine, inverse_program(array, modulus)
         if self._inverse is not None:
             machine.prepare(self._inverse, array.shape)
         alone = self._inverse is not None and machine.backend.name == "cpu" and self._radial is None
+        self._dead_band = contact.dead_band
         self._point = FrameFit(array, modulus, contact.dead_band) if alone else None
         self._positions, self._newtons = array.positions(), newtons(array, modulus)
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
@@ -150,6 +151,8 @@ class Finger:
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
         all_read = frame.whole and self._saturated is None
         if all_read and self._per_sigma is not None and is_noise(frame.values, self._per_sigma):
+            return NO_LOAD
+        if (np.abs(values) <= self._dead_band).all():  # NaN is no quiet reading
             return NO_LOAD
         if self._point is not None and self._saturated is None:
             load = self._point(values, self._weights)

@@ -17,6 +17,7 @@ from tactile.inverse.limits import (
     FOREIGN_RATIO,
     FOREIGN_SHARE,
     FOREIGN_SIGMAS,
+    NOISE_ERROR,
     NOISE_FROM,
     NOT_CHANCE,
     REACH,
@@ -183,7 +184,7 @@ def misfits(chi, whole, taxels, free, noise, estimate):  # type: ignore[no-untyp
     """
     random, excess = estimate, max(chi - estimate, 0.0) if estimate > 0 else 0.0
     if noise > 0:
-        random = noise * noise * (free + CHANCE * math.sqrt(2.0 * free))
+        random = noise * noise * (free * (1 + 2 * NOISE_ERROR) + CHANCE * math.sqrt(2.0 * free))
         excess = max(chi - noise * noise * (free + NOT_CHANCE * math.sqrt(2.0 * free)), 0.0)
     signal = max(whole - random, random / taxels)
     misfit = math.sqrt(min(max(chi - random, 0.0) / signal, 1.0)) if signal > 0 else 0.0

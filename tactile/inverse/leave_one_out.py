@@ -30,6 +30,8 @@ def unstable(fit: LoadFit, *, left_out: bool) -> bool:
         return True
     if len(fit.loads) > 1 or count == 1 or fit.misfit <= (FIT_ANYTHING if left_out or count < 4 else DOUBT):
         return False
+    if fit.signals.noise is not None and not fit.excess > 0:
+        return False
     normal = np.broadcast_to([False, False, True], fit.signals.measured.shape)
     if _moved(fit, fit.signals.less(normal)) > BY_SHEAR:
         return True

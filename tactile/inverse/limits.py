@@ -32,6 +32,8 @@ USUAL_NOISE = 0.01
 """Noise assumed where it is unknown and the residuals are smaller."""
 SMALL_SHARE = 2.5e-3
 """Share of the energy in the residuals (a misfit of 5 %) below which unknown noise is not estimated."""
+NOISE_ERROR = 0.03
+"""Relative error of the known noise: it is measured in few frames, and taxels differ."""
 CHANCE, NOT_CHANCE = 2.0, 3.0
 """Standard deviations of chi^2 that noise may add, and from which the excess is not noise (1 frame in 300)."""
 
@@ -62,10 +64,12 @@ CLIPPED_SIGMAS, NEAR_END, EQUAL = 5.0, 1e-3, 1e-12
 DOUBT, PATCH, POINT = 0.05, 0.1, 0.25
 """Misfits from which other models are tried, from which several loads are, and beyond which there is no point load: a
 tip of half a depth leaves 0.1."""
-UNSURE = 0.5
-"""Standard deviation of the place from which the place is ambiguous."""
-RIVAL = 3.0
-"""Ratio of misfits below which a second place makes the answer ambiguous."""
+UNSURE, MISLED = 0.5, 1.0
+"""Standard deviations of the place from which the place is ambiguous: from the residuals alone, and with the false
+readings and widths that they do not exclude."""
+RIVAL, RIVAL_SIGMAS = 3.0, 6.0
+"""Ratio of misfits beyond the noise, and standard deviations of known noise, below which a second place makes the
+answer ambiguous."""
 RIVALS = 4.0
 """Ratio of residual variances below which two models are both possible."""
 FOREIGN_SHARE, FOREIGN_SIGMAS, FOREIGN_RATIO, FOREIGN_MEDIAN = 0.01, 6.0, 2.0, 30.0

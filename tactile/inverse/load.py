@@ -17,8 +17,8 @@ class Load:
         misfit: Share of the signals, as root mean squares, that neither the loads nor the noise explain.
         taxels: Number of taxels used.
         validity: INSIDE or OUTSIDE as seen from the nearest taxel; AMBIGUOUS where another place or model explains
-            about as much, the place is not known to half a depth, or it depends on what the load does not explain;
-            NOT_ONE where no few point loads fit; NO_LOAD or INVALID without an answer.
+            about as much, the place is not known to half a depth (a depth if a reading may be false), or it depends on
+            what the load does not explain; NOT_ONE where no few point loads fit; NO_LOAD or INVALID without an answer.
         left_out: (row, column) of taxels that contradict all others, of which one reading does or is dead (only that
             reading is not used then), and of taxels under the load that cannot be read.
         saturated: (row, column) of taxels at the end of their range, or with a reading that all others say is clipped.

@@ -14,7 +14,7 @@ from cnnsim.support import Flags, Floats, InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.layer_field import layer_field
 from tactile.inverse.leave_one_out import unstable
-from tactile.inverse.limits import DOUBT, FEWEST, POINT, UNSURE
+from tactile.inverse.limits import DOUBT, FEWEST, MISLED, POINT, UNSURE
 from tactile.inverse.load import INF, NAN, Load
 from tactile.inverse.model_selection import best_model
 from tactile.inverse.multi_fit import close_pairs, large_pad, local_statistics
@@ -138,11 +138,9 @@ def _loads(taxels: Taxels, found: Candidate, *, local: bool) -> list[Load]:
     out = _cells(np.union1d(gone, np.array(found.false, np.intp)), cols)
     tie, origin = fit.signals.tie.tolist(), taxels.at[found.order[0]] - fit.signals.seen[0] * depth
     units = np.array([depth, depth, top if tie[0] <= 0 else INF, top if tie[2] <= 0 else INF, top])
-    variance, beyond, misfits = (
-        np.full(len(fit.loads), fit.variance),
-        fit.unexplained,
-        np.full(len(fit.loads), fit.misfit),
-    )
+    many = len(fit.loads)
+    variance, excess, misfits = np.full(many, fit.variance), np.full(many, fit.excess), np.full(many, fit.misfit)
+    beyond = fit.unexplained
     if local:
         variance, excess, misfits = local_statistics(fit)
         beyond = excess[:, None] * fit.spread
@@ -152,6 +150,7 @@ def _loads(taxels: Taxels, found: Candidate, *, local: bool) -> list[Load]:
     limit = POINT if len(fit.loads) == 1 or local else DOUBT
     patch = close_pairs(fit.loads) & local
     with np.errstate(invalid="ignore"):
+        wide = (variance + excess) * fit.spread[:, :2].max(axis=1) > UNSURE**2
         known, noise = np.isfinite(units), variance[:, None] * fit.spread
         scatters = np.where(known, np.sqrt(noise) * units, INF)
         sigmas = np.where(known, np.sqrt(noise + np.where(beyond > 0, beyond, 0.0)) * units, INF)
@@ -162,7 +161,7 @@ def _loads(taxels: Taxels, found: Candidate, *, local: bool) -> list[Load]:
         validity = Validity.INSIDE if near < 2 else Validity.OUTSIDE
         if misfits[k] > limit or patch[k] or (fit.foreign is not None and not local):
             validity = Validity.NOT_ONE
-        elif doubt or sigmas[k, :2].max() > UNSURE * depth:
+        elif doubt or wide[k] or sigmas[k, :2].max() > MISLED * depth:
             validity = Validity.AMBIGUOUS
         place_x, place_y = (origin + fit.loads[k, :2] * depth).tolist()
         q, r, f = values[k, 2:].tolist()

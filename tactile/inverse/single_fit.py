@@ -14,6 +14,7 @@ from tactile.inverse.limits import (
     FOREIGN_MEDIAN,
     NOISE_FROM,
     RIVAL,
+    RIVAL_SIGMAS,
     SAME,
     SMALL_SHARE,
     UNOBSERVABLE,
@@ -198,7 +199,9 @@ class Taxels:
             other = fitted(fit.signals, rival[None, :2])
             if math.dist(other.loads[0, :2], fit.loads[0, :2]) > SAME:
                 fit, other = sorted((fit, other), key=lambda one: one.chi)
-                ambiguous = other.chi < max(RIVAL * fit.chi, NO_DIFFERENCE * fit.whole)
+                beyond = (RIVAL - 1) * max(fit.chi - fit.random, 0.0) + RIVAL_SIGMAS**2 * fit.random / max(fit.free, 1)
+                similar = min(fit.chi + beyond, RIVAL * fit.chi) if fit.random else RIVAL * fit.chi
+                ambiguous = other.chi < max(similar, NO_DIFFERENCE * fit.whole)
         if len(order) == 1 or fit.unsure > UNSURE:
             fit = self._without_shear(fit, int(order[0]))
         elif len(self.layer) and fit.signals.tie.any():

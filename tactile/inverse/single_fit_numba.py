@@ -16,6 +16,7 @@ from tactile.inverse.limits import (
     FEW_FREE,
     FEWEST,
     LARGE_PAD,
+    MISLED,
     NOISE_FROM,
     PEAK,
     RIVAL,
@@ -32,7 +33,14 @@ from tactile.inverse.residual_tests_numba import (
     second_load,
     unexplained,
 )
-from tactile.inverse.start_numba import consensus, layer_places, signals, strongest, two_best
+from tactile.inverse.start_numba import (
+    consensus,
+    layer_places,
+    residuals_of_places,
+    signals,
+    strongest,
+    two_best,
+)
 from tactile.inverse.taxel_numba import answers
 from tactile.inverse.validity import Validity
 
@@ -53,10 +61,11 @@ def one_load(at, planes, weights, order, units, noise):  # type: ignore[no-untyp
     tried = consensus(at, planes, signal, trust, order[:VOTERS], depth)
     first, second = two_best(tried)
     seen, measured, scaled, tie = signals(at, planes, scale, order, tried[first], depth, strain, top)
+    some = seen[:VOTERS], measured[:VOTERS], scaled[:VOTERS], strain, layer, tie
+    residuals_of_places(some, tried)
     if len(layer) > 0:
-        some = seen[:VOTERS], measured[:VOTERS], scaled[:VOTERS], strain, layer, tie
         tried = layer_places(some, tried, noise)
-        first, second = two_best(tried)
+    first, second = two_best(tried)
     data, loads = (seen, measured, scaled, strain, layer, tie), np.zeros((1, 5))
     loads[0, 0], loads[0, 1] = tried[first, 0], tried[first, 1]
     return tried, first, second, data, loads, fit(data, loads, noise, True)
@@ -112,7 +121,9 @@ def single_load(values, planes, at, weights, units, noise, answer):  # type: ign
     deviation = math.sqrt(max(chi / free, one * one))
     for m in range(2):
         assumed = max(deviation, USUAL_NOISE) if noise == 0 else deviation
-        if not max(assumed**2 * covariance[m, m], deviation**2 * covariance[m, m] + more[m]) <= UNSURE**2:
+        if not max(assumed**2, deviation**2 + excess) * covariance[m, m] <= UNSURE**2:
+            return DOUBTFUL
+        if not deviation**2 * covariance[m, m] + more[m] <= MISLED**2:
             return DOUBTFUL
     deviation *= student(free) if noise == 0 else 1.0
     x, y, nearest = loads[0, 0], loads[0, 1], np.inf

@@ -172,6 +172,15 @@ def signals(at, planes, scale, order, place, depth, strain, top):  # type: ignor
 
 
 @kept_njit(error_model="numpy")
+def residuals_of_places(data, tried):  # type: ignore[no-untyped-def]
+    """Replace the scatter of places (x, y, scatter) by chi^2 of the best load: noise agrees on some place, too."""
+    load = np.zeros((1, 5))
+    for k in range(len(tried)):
+        if tried[k, 2] < np.inf:
+            tried[k, 2] = _chi(data, tried[k], load)
+
+
+@kept_njit(error_model="numpy")
 def layer_places(data, tried, noise):  # type: ignore[no-untyped-def]
     """Return places (x, y, chi^2) from which a load on a layer may be fitted: of ``tried`` (k, 3), or of a square too.
 
@@ -179,9 +188,6 @@ def layer_places(data, tried, noise):  # type: ignore[no-untyped-def]
     """
     seen, measured, scale, strain, layer, tie = data
     load, taxels = np.zeros((1, 5)), len(seen)
-    for k in range(len(tried)):
-        if tried[k, 2] < np.inf:
-            tried[k, 2] = _chi(data, tried[k], load)
     first, _ = two_best(tried)
     _chi(data, tried[first], load)
     chi, _ = least_squares(data, load, STEPS)

@@ -81,8 +81,8 @@ def newtons(array: TaxelArray, modulus: float | None) -> float:
     return 2 * np.pi / 3 * array.depth**2
 
 
-def inverse_program(array: TaxelArray, modulus: float | None, floor: float) -> Program | None:
-    """Return the program that locates a load from each taxel alone, from signals above ``floor``; None of forces.
+def inverse_program(array: TaxelArray, modulus: float | None) -> Program | None:
+    """Return the program that locates a load from each taxel alone; None of forces.
 
     Raises:
         InputError: strain taxels without the cover's ``modulus`` [Pa].
@@ -91,11 +91,9 @@ def inverse_program(array: TaxelArray, modulus: float | None, floor: float) -> P
         return None
     programs = folder() / "programs"  # the shipped ones: users' files of these names do not replace them
     if array.quantity == "stress":
-        return load_program(programs / "locate-stress.toml", parameters={"depth": array.depth, "floor": floor})
+        return load_program(programs / "locate-stress.toml", parameters={"depth": array.depth})
     if modulus is None:
         raise InputError(
             f"taxel array {array.name!r} measures strain; the cover's Young's modulus is wanted, none is given"
         )
-    return load_program(
-        programs / "locate-strain.toml", parameters={"depth": array.depth, "modulus": modulus, "floor": floor}
-    )
+    return load_program(programs / "locate-strain.toml", parameters={"depth": array.depth, "modulus": modulus})

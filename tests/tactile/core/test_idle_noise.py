@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tactile.core.frame import Frame, Quantity, TaxelArray
-from tactile.core.noise import is_noise
+from tactile.core.noise import is_noise, measured
 from tactile.core.source import FrameStream
+from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.pipeline import run
@@ -40,6 +41,26 @@ def test_a_light_load_is_located() -> None:
     for pressed in (one, np.full((8, 8, 3), [0.0, 0.0, -2e3])):
         found = located(array, 1e3, pressed)[IDLE + 5 : IDLE + 25]
         assert np.mean([load.validity is not Validity.NO_LOAD for load in found]) > 0.9
+
+
+@pytest.mark.parametrize(("side", "pitch", "noise"), [(32, 1.0, 0.02), (16, 1.5, 0.06), (4, 1.5, 0.04)])
+def test_a_light_load_among_many_quiet_taxels_is_one_point_load(side: int, pitch: float, noise: float) -> None:
+    """Most taxels see noise near the dead band of 1e-3; the load is 30 times that."""
+    array = TaxelArray("pad", side, side, pitch * 1e-3, 1e-3)
+    place = array.positions()[side // 2, side // 2] + (2e-4, -3e-4)
+    strain = point_load_strain(array.positions(), 1e-3, [(*place, 0.02, -0.03, 0.1)], MODULUS)
+    found = located(array, noise * 0.03, strain * 0.03 / np.abs(strain).max())[IDLE:]
+    assert np.mean([load.validity is Validity.NOT_ONE for load in found]) <= 0.02
+    assert np.mean([load.validity is Validity.INSIDE for load in found]) >= 0.95
+    off = [np.hypot(load.x - place[0], load.y - place[1]) / np.hypot(*load.sigma[:2]) for load in found]
+    assert max(off) < 5
+
+
+def test_the_noise_of_few_frames_is_not_low() -> None:
+    random = np.random.default_rng(0)
+    for frames in (20, 41, 100):
+        typical = np.mean([measured(random.normal(size=(frames, 8, 8, 3))).typical for _ in range(30)])
+        assert typical == pytest.approx(1.0, abs=0.015)
 
 
 def test_frames_without_valid_taxels_are_invalid() -> None:
