@@ -25,7 +25,7 @@ from tactile.events.signals.signals import Signals
 from tactile.inverse.load import Load
 from tactile.inverse.localise import NO_LOAD, FrameFit, localise
 from tactile.inverse.summed import summed
-from tactile.inverse.weights import inverse_program, newtons, weigh
+from tactile.inverse.weights import fit_floor, inverse_program, newtons, weigh
 from tactile.settings import Settings
 from tactile.texture.figures import Texture, TextureFigures
 from tactile.thresholds.levels import levels
@@ -70,12 +70,12 @@ class Finger:
         least = (contact if array.quantity == "force" else CONTACT["force"]).dead_band
         self._figures = Texture(settings.window, least if settings.floor is None else settings.floor)
         self._last_figures: TextureFigures | None = None
-        self._machine, self._inverse = machine, inverse_program(array, modulus)
+        self._dead_band, floor = contact.dead_band, fit_floor(array, contact.dead_band)
+        self._machine, self._inverse = machine, inverse_program(array, modulus, floor)
         if self._inverse is not None:
             machine.prepare(self._inverse, array.shape)
         alone = self._inverse is not None and machine.backend.name == "cpu" and self._radial is None
-        self._dead_band = contact.dead_band
-        self._point = FrameFit(array, modulus, contact.dead_band) if alone else None
+        self._point = FrameFit(array, modulus, floor) if alone else None
         self._positions, self._newtons = array.positions(), newtons(array, modulus)
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
         self._hidden = None if self._inverse is None else HiddenContact(array, self._newtons)
@@ -149,10 +149,8 @@ class Finger:
         values = frame.values
         if not (frame.whole and self._none_left_out):
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
-        all_read = frame.whole and self._saturated is None
-        if all_read and self._per_sigma is not None and is_noise(frame.values, self._per_sigma):
-            return NO_LOAD
-        if (np.abs(values) <= self._dead_band).all():  # NaN is no quiet reading
+        noise = self._per_sigma if frame.whole and self._saturated is None else None
+        if (np.abs(values) <= self._dead_band).all() or (noise is not None and is_noise(frame.values, noise)):
             return NO_LOAD
         if self._point is not None and self._saturated is None:
             load = self._point(values, self._weights)
@@ -163,9 +161,8 @@ class Finger:
         if self._radial is not None:
             planes = self._radial.of_signs(planes)
         pressing, pulling = planes[:4], planes[4:] or None
-        array = self.array
-        known = self._weights, self._saturated, array.thickness
-        return localise(self._positions, pressing, pulling, array.depth, *known)
+        known = self._weights, self._saturated, self.array.thickness
+        return localise(self._positions, pressing, pulling, self.array.depth, *known)
 
     def detect(self, frame: Frame, load: Load) -> list[Transition]:
         """Run the comparators and detectors on the frame and return the events that begin and end."""

@@ -173,8 +173,7 @@ def stress_blocks(x, y, z, dx, dy, force, validity, first, last, numbers):  # ty
 def answers(values, strain, times, depth, floor):  # type: ignore[no-untyped-def]
     """Return the planes (families, 4, n) of the inverse of readings (rows, cols, 3), none if all are at most ``floor``.
 
-    Weaker taxels have an answer, too: those whose noise exceeds the floor would be a biased choice. ``times``:
-    4 pi E z^2 / 3 for strain, 2 pi z^2 / 3 for stress.
+    ``times``: 4 pi E z^2 / 3 for strain, 2 pi z^2 / 3 for stress.
     """
     rows, cols, _ = values.shape
     n, above = rows * cols, False
@@ -189,10 +188,10 @@ def answers(values, strain, times, depth, floor):  # type: ignore[no-untyped-def
     for f in range(len(planes)):
         out = planes[f]
         if strain:
-            numbers = times, tiny, depth, 0.0, 1.0 - 2.0 * f
+            numbers = times, tiny, depth, floor, 1.0 - 2.0 * f
             strain_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, numbers)
         else:
-            others = times, tiny, depth, 0.0
+            others = times, tiny, depth, floor
             stress_blocks(signals[0], signals[1], signals[2], out[0], out[1], out[2], out[3], 0, blocks, others)
     return planes
 

@@ -10,6 +10,9 @@ from cnnsim.program.program import Program
 from cnnsim.support import Flags, Floats, InputError, Integers
 from tactile.core.frame import TaxelArray
 
+SPARSE = 2.0
+"""Pitch [depths] above which weak taxels measure nothing of a load."""
+
 
 class Weights(NamedTuple):
     """Weights of the signals of n taxels by their noise.
@@ -81,8 +84,16 @@ def newtons(array: TaxelArray, modulus: float | None) -> float:
     return 2 * np.pi / 3 * array.depth**2
 
 
-def inverse_program(array: TaxelArray, modulus: float | None) -> Program | None:
-    """Return the program that locates a load from each taxel alone; None of forces.
+def fit_floor(array: TaxelArray, dead_band: float) -> float:
+    """Return the largest signal of a taxel that is left out of the fit: 0, or ``dead_band`` above a pitch of `SPARSE`.
+
+    A choice of taxels by their signals is biased where noise exceeds the dead band.
+    """
+    return 0.0 if array.pitch <= SPARSE * array.depth else dead_band
+
+
+def inverse_program(array: TaxelArray, modulus: float | None, floor: float) -> Program | None:
+    """Return the program that locates a load from each taxel alone, from signals above ``floor``; None of forces.
 
     Raises:
         InputError: strain taxels without the cover's ``modulus`` [Pa].
@@ -91,9 +102,11 @@ def inverse_program(array: TaxelArray, modulus: float | None) -> Program | None:
         return None
     programs = folder() / "programs"  # the shipped ones: users' files of these names do not replace them
     if array.quantity == "stress":
-        return load_program(programs / "locate-stress.toml", parameters={"depth": array.depth})
+        return load_program(programs / "locate-stress.toml", parameters={"depth": array.depth, "floor": floor})
     if modulus is None:
         raise InputError(
             f"taxel array {array.name!r} measures strain; the cover's Young's modulus is wanted, none is given"
         )
-    return load_program(programs / "locate-strain.toml", parameters={"depth": array.depth, "modulus": modulus})
+    return load_program(
+        programs / "locate-strain.toml", parameters={"depth": array.depth, "modulus": modulus, "floor": floor}
+    )
