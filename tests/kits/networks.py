@@ -14,7 +14,7 @@ from cnnsim.planning.scheme import SCHEMES
 from cnnsim.task import Task
 from tests.kits.backends import REFERENCE, TOLERANCE
 
-REPEATING = [Boundary(kind) for kind in get_args(BoundaryKind) if kind != "fixed"]
+REPEATING = [Boundary(kind) for kind in get_args(BoundaryKind) if kind not in ("fixed", "reflecting")]
 """All boundaries whose virtual cells repeat real ones."""
 BOUNDARIES = [*REPEATING, fixed(-1.0), fixed(0.3, -0.7)]
 ARGUMENTS = ["y_kl", "u_kl", "x_kl", "u_kl - u_ij", "y_kl - y_ij", "x_kl - x_ij", "u_kl - x_ij", "y_kl - u_ij"]
