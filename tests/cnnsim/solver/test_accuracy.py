@@ -138,7 +138,7 @@ def test_the_command_shows_what_accuracy_costs(tmp_path: Path) -> None:
         main, ["accuracy", "diffusion", "--csv", str(tmp_path / "a.csv"), "-o", str(tmp_path / "a.png")]
     )
     assert found.exit_code == 0, found.output
-    assert "truth: solved to 1e-10" in found.output
+    assert "exact state: solved to 1e-10" in found.output
     assert len((tmp_path / "a.csv").read_text().splitlines()) > 30
     assert (tmp_path / "a.png").stat().st_size > 10_000
     run_it = CliRunner().invoke(main, ["explain", "diffusion", "--accuracy", "1e-6", "--size", "8x8"])
