@@ -201,7 +201,7 @@ class Scene:
         Raises:
             InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
         """
-        return (*doubtful_units(self), *out_of_range(self))
+        return (*out_of_range(self), *doubtful_units(self))
 
     def __iter__(self) -> Iterator[Frame]:
         self._check_range()

@@ -21,6 +21,7 @@ from tactile.simulator.effects.mounting.curved_fingertip import CurvedFingertip
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
 from tactile.simulator.effects.quantisation import Quantisation
 from tactile.simulator.effects.read_noise import ReadNoise
+from tactile.simulator.field import Contact
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.scene.unit_range import doubtful_units
@@ -159,8 +160,11 @@ def test_a_cover_that_a_cylinder_squeezes_out_at_its_ends_is_told() -> None:
     assert "squeezed out" not in said(lying(60.0, 16e-3), FiniteThickness(8e-3))
 
 
-def scene(contacts: object, *effects: object, modulus: float = 2.4e6, rate: float = 100.0) -> Scene:
+def scene(contacts: tuple[Contact, ...], *effects: object, modulus: float = 2.4e6, rate: float = 100.0) -> Scene:
     return Scene("s", rate, 2.0, modulus, (TaxelArray("pad", 2, 2, 1e-3, 1e-3),), (), contacts, effects)
+
+
+PATH = np.array([(0.0, 0, 0, 0, 0, 1e-3)])
 
 
 def held(push: float = 0.05, x: float = 5e-4, until: float = 1.0) -> tuple[MovingContact]:
@@ -179,7 +183,7 @@ def held(push: float = 0.05, x: float = 5e-4, until: float = 1.0) -> tuple[Movin
         (scene(held(5e-5)), "above the dead band of 0.001 wanted"),
         (scene(held(), ReadNoise(1.0)), "above the noise of"),
         (scene(held(), Quantisation(2, 100.0)), "above one count of"),
-        (scene((HeightMap(0, np.array([[0.0, 1.0]] * 2), 1e-4, [(0.0, 0, 0, 0, 0, 1e-3)]),)), "heights over 1e+03 mm"),
+        (scene((HeightMap(0, np.array([[0.0, 1.0]] * 2), 1e-4, PATH),)), "heights over 1e+03 mm"),
         (
             scene((SlidingTexture(0, (0, 0), PRESETS["screw"], 0, 1, 0.0715, 0, 0.05, 1e3),), rate=1 / 15e-3),
             "a tone of 143 Hz at 66.7 frames/s shows as 9.7 Hz; at most half the frame rate, 33.3 Hz",
