@@ -50,6 +50,8 @@ def _path(scene: Any, contact: Any) -> Iterator[str]:
         yield f"{name}: a path of {end - begin:.3g} s; at least a frame of {1 / scene.rate:.3g} s wanted"
     if len(path) > 1 and end > scene.duration + 1 / scene.rate:
         yield f"{name}: a path until {end:.3g} s; at most the scene's duration of {scene.duration:.3g} s wanted"
+    if path.shape[1] < 3:  # a traction map stays in its place
+        return
     array = scene.arrays[contact.finger]
     at = array.positions().reshape(-1, 2)
     places = path[:, 1:][:, [X, Y]]
