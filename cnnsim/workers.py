@@ -170,7 +170,7 @@ def _cluster(address: str, count: int | None) -> Iterator[Workers]:
         distributed: Any = import_module("distributed")  # slow to import
     except ImportError as error:
         raise InputError(f"dask.distributed is missing: {install_line('scale')}") from error
-    with _silent("distributed", "distributed.client", "tornado", "asyncio"):
+    with _silent("distributed", "distributed.client", "tornado", "tornado.application", "asyncio"):
         try:
             client = distributed.Client(address, timeout=TIMEOUT)
         except (OSError, ValueError, TypeError, RuntimeError) as error:  # TLS without certificates: a TypeError

@@ -82,7 +82,7 @@ def stream(
 
     with tactile.stream("/dev/ttyACM0", "hand.toml") as frames:
         for frame in frames:
-            print(frame.t, frame.load.F, frame.slip_margin)
+            grip.hold(frame.load.F, frame.slip_margin)
 
     Arguments: ``array``: array description of a port, its file or the name of a protocol with one form; a recording has
     its own, which must have the same arrays, and a table of another program needs one with a layout; ``settings``:

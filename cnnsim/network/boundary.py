@@ -40,7 +40,7 @@ class Boundary:
             raise not_known("boundary", self.kind, get_args(BoundaryKind))
         for name, most in (("y", 1.0), ("u", sys.float_info.max)):
             value = getattr(self, name)
-            if not is_number(value) or not abs(value) <= most:
+            if not is_number(value) or not abs(float(value)) <= most:
                 wanted = (
                     "a number from -1 to 1 wanted; 'fixed:x,u' takes inputs u beyond" if most == 1 else "finite wanted"
                 )

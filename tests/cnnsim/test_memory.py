@@ -125,7 +125,17 @@ def test_the_command_line(choices: tuple[str, ...], tmp_path: Path) -> None:
     peaks = []
     for size in (100, 600, 1800):
         Image.fromarray(np.where(picture_of(size) > 0, 0, 255).astype(np.uint8)).save(tmp_path / "x.png")
-        words = ["run", "hole-filler", tmp_path / "x.png", "--time", "1", *choices, "-o", tmp_path / "y.png"]
+        words = [
+            "run",
+            "hole-filler",
+            tmp_path / "x.png",
+            "--time",
+            "1",
+            *choices,
+            "-o",
+            tmp_path / "y.png",
+            "--replace",
+        ]
         done = subprocess.run(
             [sys.executable, "-c", PEAK, *map(str, words)], cwd=ROOT, capture_output=True, text=True, check=True
         )
