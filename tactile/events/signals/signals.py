@@ -1,6 +1,6 @@
 """Signals of a finger: planes per taxel and scalars of the total load, as CNN values, updated per frame."""
 
-from math import exp, isfinite
+from math import exp, inf, isfinite
 
 import numpy as np
 
@@ -36,6 +36,8 @@ LARGE_PARTS = (0.2, 0.3)
 """Parts of the held load at which ``large`` goes off and on."""
 UNEXPLAINED = 0.9
 """Misfit above which a located load counts as no load: a fit to pure noise leaves 0.93 to 0.99 of it."""
+WITHIN = 5.0
+"""Standard deviations below which all forces of a load are noise: 4.4 is the largest of 16384 places."""
 
 ALWAYS = np.ones((1, 1), bool)
 ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
@@ -214,16 +216,13 @@ class Signals:
 
     def take_load(self, t: float, load: Load) -> None:
         """Process a located load as one force taxel; no load is 0 N, an unknown load keeps the last value."""
-        lost = load.validity is Validity.NO_LOAD or load.misfit > UNEXPLAINED
+        lost = load.validity is Validity.NO_LOAD or load.misfit > UNEXPLAINED or _is_noise(load)
         self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
         if not lost:
             _, _, of_q, of_r, of_f = load.scatter
             if isfinite(of_q + of_r + of_f):
                 keep = (self._interval / (self._interval + 2 * FAST)) ** 0.5
-                shear, normal = (
-                    self._quiet.item(0),
-                    self._quiet.item(1),
-                )  # floats: faster than arrays of one cell
+                shear, normal = self._quiet.item(0), self._quiet.item(1)  # floats: faster than arrays of one cell
                 self._quiet[0, 0, 0] = shear = shear + 0.1 * (max(of_q, of_r) * keep - shear)
                 self._quiet[1, 0, 0] = normal + 0.1 * (of_f * keep - normal)
                 self._drawn[0, 0] = DRAWN * shear
@@ -240,3 +239,9 @@ class Signals:
     def shear(self) -> tuple[float, float]:
         """Total tangential load after 10 ms, in the unit of the signal."""
         return float(self._scalars[5]), float(self._scalars[6])
+
+
+def _is_noise(load: Load) -> bool:
+    """Return whether the forces of a load are known to be no larger than their noise."""
+    forces = zip((load.Q, load.R, load.F), load.scatter[2:], strict=True)
+    return all(abs(force) <= WITHIN * sigma < inf for force, sigma in forces)
