@@ -51,7 +51,7 @@ def test_links_to_generated_pages_lead_somewhere(generated: Path) -> None:
         for target in re.findall(r"\]\([^)#:]*generated/([^)#:]+)", page.read_text(encoding="utf-8")):
             assert (generated / target).is_file(), f"{page.name}: {target}"
             count += 1
-    assert count > 5
+    assert count >= 4
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)

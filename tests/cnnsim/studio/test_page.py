@@ -2,7 +2,7 @@
 
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ class Browser:
         page.on("console", lambda message: self.console.append(message.text))
         page.on("pageerror", lambda error: self.console.append(str(error)))
 
-    def until(self, script: str, wanted: Any = True, seconds: float = 20) -> None:
+    def until(self, script: str, wanted: Any = True, seconds: float = 60) -> None:
         """Wait until a script has a value; the page's policy refuses playwright's own way."""
         end = time.monotonic() + seconds
         while (found := self.page.evaluate(script)) != wanted:
@@ -62,6 +62,13 @@ class Browser:
             self.page.mouse.move(*self.at(number, *cell), steps=4)
         self.page.mouse.up()
 
+    def shows(self, number: int, wanted: Callable[[Any], Any]) -> None:
+        """Wait until the colours of a canvas are as wanted: a picture follows its numbers by a frame or more."""
+        end = time.monotonic() + 60
+        while not wanted(self.pixels(number).astype(int)):
+            assert time.monotonic() < end, self.pixels(number)[..., 0]
+            time.sleep(0.02)
+
     def text(self, selector: str) -> str:
         return str(self.page.text_content(selector))
 
@@ -80,7 +87,7 @@ class Browser:
 
     def orange(self) -> None:
         """Wait until a cell in the middle is above +1."""
-        end = time.monotonic() + 20
+        end = time.monotonic() + 60
         while not (colour := self.pixels(RIGHT)[8, 8].astype(int))[0] > colour[2]:
             assert time.monotonic() < end
 
@@ -132,10 +139,9 @@ def test_a_drawn_ring_is_filled_by_the_wave(browser: Browser) -> None:
     assert ring.sum() == 24
     browser.page.click("[name=y]")
     browser.until("document.querySelector('[name=y]').getAttribute('aria-pressed')", "true")
-    time.sleep(0.2)
-    black = browser.pixels(RIGHT)[..., 0] == 0
-    assert black[4:11, 4:11].all()
-    assert black.sum() == 49
+    filled = np.zeros((16, 16), bool)
+    filled[4:11, 4:11] = True
+    browser.shows(RIGHT, lambda colours: np.array_equal(colours[..., 0] == 0, filled))
     browser.page.click("[name=x]")
     browser.page.check("[data-ink=erase]")
     browser.drag(LEFT, (4, 6), (4, 8))
@@ -149,8 +155,7 @@ def test_the_state_shows_what_is_beyond_1_in_other_colours(browser: Browser) -> 
     colours = browser.pixels(RIGHT)
     assert (colours[..., 0] == colours[..., 2]).all()  # x(0) = 1 is black
     browser.rest()
-    colours = browser.pixels(RIGHT).astype(int)
-    assert (colours[..., 2] - colours[..., 0] > 50).all()  # far below -1: blue
+    browser.shows(RIGHT, lambda colours: (colours[..., 2] - colours[..., 0] > 50).all())  # far below -1: blue
 
 
 def test_steps_back_and_scrubbing_show_the_same_pictures(browser: Browser) -> None:
