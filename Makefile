@@ -22,8 +22,11 @@ run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip a
 
 # Tests start hundreds of processes: each would compile every module anew where the environment forbids to keep them.
 # Threads of OpenBLAS that wait for a core turn round and round: beside others they take ten times as long as one alone.
-test: $(VENV)/.test check    ## lint, types, tests
-	PYTHONDONTWRITEBYTECODE= OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal
+# The type checker uses one core for a minute, so lint and types run at the same time as the tests.
+test: $(VENV)/.test          ## lint, types, tests
+	$(MAKE) --no-print-directory check & checked=$$!; \
+	PYTHONDONTWRITEBYTECODE= OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal; \
+	tested=$$?; wait $$checked && exit $$tested
 
 check: $(VENV)/.test
 	$(BIN)/ruff format --check .

@@ -140,9 +140,11 @@ def test_the_sketch_for_an_array_file_gives_events_before_it_is_filled_in(tmp_pa
 
 
 ANALOG = """
-static const int A0 = 14;
-static uint8_t pins[16];
-static void digitalWrite(int pin, int level) { pins[pin] = (uint8_t)level; }
+static const int A0 = 14, OUTPUT = 1;
+static uint8_t pins[16], modes[16];
+static void pinMode(int pin, int mode) { modes[pin] = (uint8_t)mode; }
+static void digitalWrite(int pin, int level) { if (modes[pin] == OUTPUT) pins[pin] = (uint8_t)level; }
+static void delayMicroseconds(unsigned) {}
 static int analogRead(int pin) {
   int row = pins[2] + 2 * pins[3] + 4 * pins[4], col = pins[5] + 2 * pins[6] + 4 * pins[7];
   return 100 * row + 10 * col + (pin - A0);
