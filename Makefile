@@ -13,9 +13,10 @@ COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml -
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
 
+MARKED := not slow
 LOWEST := out/lowest/bin
 
-.PHONY: run test check lowest docs bench accuracy hard-cases scaling endurance format clean lock
+.PHONY: run test test-all check lowest docs bench accuracy hard-cases scaling endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE))) --replace
@@ -25,8 +26,11 @@ run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip a
 # The type checker uses one core for a minute, so lint and types run at the same time as the tests.
 test: $(VENV)/.test          ## lint, types, tests
 	$(MAKE) --no-print-directory check & checked=$$!; \
-	PYTHONDONTWRITEBYTECODE= OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal; \
+	PYTHONDONTWRITEBYTECODE= OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto --dist worksteal -m "$(MARKED)"; \
 	tested=$$?; wait $$checked && exit $$tested
+
+test-all: MARKED :=          ## the same with long checks: pages in Chromium, killed runs, layers, meshes
+test-all: test
 
 check: $(VENV)/.test
 	$(BIN)/ruff format --check .

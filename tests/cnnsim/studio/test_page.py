@@ -20,6 +20,8 @@ from cnnsim.studio.session import Session  # noqa: E402
 from cnnsim.studio.setup import first_setup  # noqa: E402
 from tests.kits.studio import FLAGS, serving  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 LEFT, RIGHT, OVERLAY = 0, 2, 3
 """Canvases of the view: the input, the state, and what lies over it."""
 

@@ -18,6 +18,8 @@ from cnnsim.support import InputError
 from cnnsim.workers import open_workers
 from tests.kits.paths import ROOT
 
+pytestmark = pytest.mark.slow
+
 PICTURE = np.where(np.random.default_rng(3).random((300, 300)) < 0.6, 1.0, -1.0)
 CALL = [
     "-m",

@@ -12,6 +12,8 @@ from tactile.bump.mesh import plane_mesh
 from tactile.bump.shape import Shape
 from tactile.bump.triangulate import _graded
 
+pytestmark = pytest.mark.slow
+
 
 def flattest(mesh: MeshTri) -> float:
     """Twice the smallest area over the square of its triangle's longest side; 0.87 where it is equilateral."""

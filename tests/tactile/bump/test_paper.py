@@ -15,6 +15,8 @@ from PIL import Image
 from examples.paper.claims import Claim
 from tests.kits.paths import ROOT
 
+pytestmark = pytest.mark.slow
+
 VERDICTS = {
     "fig10_deformation": [True, True],
     "fig11_depth": [True, True, False],  # the shear strain changes sign

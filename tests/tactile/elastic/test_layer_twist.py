@@ -13,6 +13,8 @@ from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.summation import field_at
 from tests.oracles.elastic.torsion import turned
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("accuracy", (1e-4, 1e-7))
 @pytest.mark.parametrize("radius", (0.3, 1.0, 2.0, 4.0))

@@ -18,6 +18,8 @@ from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.sizes import Sample
 from tests.kits.touch.random_scenes import error, error_of_seeds, needle, random_scene, random_touch
 
+pytestmark = pytest.mark.slow
+
 SEEDS = (0, 1001, 1002)
 
 

@@ -17,6 +17,8 @@ from tactile.simulator.contacts.shapes.layer_law import LayerLaw
 from tactile.simulator.summation import field_at
 from tests.oracles.elastic.bonded import PeriodicLayer
 
+pytestmark = pytest.mark.slow
+
 MU, R = 0.5, 200.0
 MARGIN = 8.0
 """Thicknesses to the next image, which adds 1 % of what is felt over the base at 6."""
