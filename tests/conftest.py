@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, settings
 
 from tactile.bump import table
 from tests.kits.haste import in_haste
+from tests.kits.slow import is_slow
 
 os.environ.setdefault("CNNSIM_POCL_PROCESSOR", "auto")  # without it PoCL may build nothing
 
@@ -60,9 +61,13 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     _in_haste[0] = in_haste(item.nodeid)
 
 
+@pytest.hookimpl(tryfirst=True)  # before tests are chosen by their markers
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """OpenCL first: of two workers one then builds its programs, the other meanwhile compiles the numba kernels.
 
     Of these first what is optimised: the others leave kernels behind that were built in haste.
     """
+    for item in items:
+        if is_slow(item.nodeid):
+            item.add_marker(pytest.mark.slow)
     items.sort(key=lambda item: ("opencl" not in item.nodeid, in_haste(item.nodeid)))
