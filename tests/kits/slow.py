@@ -5,6 +5,8 @@ A module or test that is long as a whole has the marker itself.
 
 SLOW = {
     "backends/": ("opencl-cpu-float64",),
+    "backends/opencl/test_library.py": ("gpu",),
+    "backends/test_slices.py": ("float64",),
     "hard_cases/": ("opencl-cpu-float32-located",),
     "cnnsim/supersteps/test_program_stops.py": ("everything",),
     "cnnsim/supersteps/test_stores.py": ("any_number_of_workers",),
@@ -13,6 +15,9 @@ SLOW = {
     "project/test_commands.py": ("detectors-measured", "how-to/thresholds", "how-to/convert"),
     "project/test_paper.py": ("",),
     "project/test_wheel.py": ("",),
+    "tactile/bump/": ("",),
+    "tactile/calibration/": ("",),
+    "tactile/output/test_unread.py": ("",),
     "tactile/events/test_backends.py": ("opencl",),
     "tactile/events/test_many_taxels.py": ("128-150", "32-400"),
 }
