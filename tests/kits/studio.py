@@ -10,9 +10,21 @@ from typing import Any
 
 import pytest
 
+from cnnsim.studio.message import Message, pack
+from cnnsim.studio.session import Session
+
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
          "--disable-background-networking", "--disable-component-update", "--disable-sync"]  # fmt: skip
 """Options of Chromium where it has no display, no network and no sandbox."""
+
+GRID = (12, 16)
+
+
+def ask(session: Session, do: str, *buffers: bytes, **content: Any) -> Message:
+    """Return the reply of a session; it can be sent."""
+    reply = session.receive(Message({"do": do, **content}, list(buffers)))
+    pack(reply)
+    return reply
 
 
 @contextmanager
