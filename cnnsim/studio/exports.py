@@ -38,7 +38,7 @@ def file_name(setup: Setup) -> str:
 
 
 def _choices(setup: Setup, own: LibraryEntry) -> dict[str, Any]:
-    """Return what a run is told besides template and pictures: what differs from its file."""
+    """Return the arguments of a run that differ from the template's file, without template and pictures."""
     entry = setup.entry
     now: dict[str, Any] = {
         "boundary": boundary_text(entry.boundary),

@@ -78,8 +78,8 @@ def reply_to(model: Model, message: Message) -> Message:
         return model.receive(message)
     except InputError as error:
         text = str(error)
-    except Exception as error:  # a fault of ours must not end the page's work
-        text = f"a fault of the studio: {type(error).__name__}: {error}"
+    except Exception as error:  # an error in the studio's own code must not close the page
+        text = f"an error of the studio: {type(error).__name__}: {error}"
         echo(text, err=True)
     said = {key: value for key, value in message.content.items() if key in ("do", "id")}
     return Message({"is": "error", "text": text, **said})

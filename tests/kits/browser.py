@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 LEFT, RIGHT, OVERLAY = 0, 2, 3
-"""Canvases of the view: the input, the state, and what lies over it."""
+"""Canvases of the view: the input, the state, and the overlay of the state."""
 
 
 class Browser:
