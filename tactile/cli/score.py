@@ -1,7 +1,8 @@
 """Command `score`: recordings and sequences against labels, simulated grasps against closed forms."""
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,7 +12,11 @@ from cnnsim.support.terminal import echo
 from tactile.cli.options import ARRAY, FILE, JSON, LAYOUT, Finite, check_thresholds, detection
 from tactile.core.source import Source, provenance
 from tactile.settings import PipelineOptions, Settings
-from tactile.sources import open_source
+from tactile.sources import layout_of
+
+if TYPE_CHECKING:  # imported when used
+    from tactile.score.labels import LabelledSource
+    from tactile.score.robustness import Robustness
 
 HALVES = ("all", "tune", "report")
 FEW = 0.5
@@ -23,6 +28,8 @@ FEW = 0.5
         "tactile score grasps/ --labels grasps/labels.csv", "tactile score . --labels l.csv --half report --json",
         "tactile score --grasps 20 --from-seed 200 --idle-minutes 1",
         "tactile score slips.npz --array board.toml --gain 0.25 --gain 4",
+        "tactile score grasps/ --labels grasps/labels.csv --perturb",
+        "tactile score --grasps 10 --perturb steps,rotation",
     )
 )  # fmt: skip
 @click.argument("recordings", type=FILE, required=False)
@@ -46,19 +53,28 @@ FEW = 0.5
 @click.option(
     "--rate", type=Finite(0, min_open=True), help="Of sequences: readings a second, if the file has no rate_hz."
 )
+@click.option(
+    "--perturb",
+    is_flag=False,
+    flag_value="all",
+    help="Score perturbed readings: all, or groups such as steps,rotation.",
+)
 @LAYOUT
 @detection
 @JSON
 def score(
     recordings: Path | None, labels: Path | None, grasps: int, from_seed: int, idle_minutes: float, half: str,
     window_ms: float, as_json: bool, array: Path | None, gains: tuple[float, ...], kinds: tuple[str, ...],
-    rate: float | None, layout: Path | None, **chosen: Any,
+    rate: float | None, perturb: str | None, layout: Path | None, **chosen: Any,
 ) -> None:  # fmt: skip
     """Compare events with labels or with simulated grasps.
 
     Plain thresholds are compared as well.
 
     RECORDINGS is a folder with --labels, or an NPZ file of sequences of a device's readings with --array.
+
+    --perturb scores the same readings with converter steps, other rates and tempos, lost frames, noise, drift, a frozen
+    taxel, gains and rotated axes: precision, recall and false shear events a minute of each.
 
     Columns of LABELS: recording, sensor (0, 1, ...), and the known ones of contact_s, release_s,
     tangential_onset_s and gross_slip_s; peak_s and open_s bound a hold, flag_on_s is the device's own slip flag.
@@ -74,6 +90,8 @@ def score(
         raise click.UsageError("--gain, --kind and --rate are of sequences; a file of them and --array wanted")
     if recordings is None and not grasps and not idle_minutes:
         raise click.UsageError("nothing to score; a folder and --labels, --grasps or --idle-minutes wanted")
+    if perturb and (sequenced or idle_minutes):
+        raise click.UsageError("--perturb is of labelled recordings and of --grasps")
     check_thresholds(chosen)
     found: dict[str, Any] = {}
 
@@ -81,20 +99,26 @@ def score(
         options = PipelineOptions(**chosen, tare="auto" if provenance(source).untared else "off")
         return options.settings(source)
 
+    sources: list[Iterable[LabelledSource]] = []
+    window = window_ms * 1e-3
     if recordings is not None and labels is not None:
         from tactile.score.labels import read_labels  # imported when used
+        from tactile.score.measure import labelled_sources  # the same
         from tactile.score.measure import score as measure  # the same
-
-        def opened(path: Path) -> tuple[Source, Settings]:
-            source = open_source(path, layout)
-            return source, settings(source)
 
         known = read_labels(labels)
         kept = set(_half(sorted({one.recording for one in known}), half))
         known = [one for one in known if one.recording in kept]
-        found = measure(
-            recordings, known, opened, window_ms * 1e-3, lambda names: watched(names, "recordings", len(names))
-        ).plain()
+        watch = iter if perturb else lambda names: watched(names, "recordings", len(names))
+        missing, opened = labelled_sources(recordings, known, layout_of(recordings, layout), watch)
+        if missing:
+            echo(f"{recordings}: no recording of the labels {', '.join(missing)}", err=True)
+        if perturb:
+            sources.append(opened)
+        else:
+            found = measure(opened, settings, window, missing).plain()
+            if found["fingers_untared"]:
+                echo(f"never still enough for a tare, without events: {', '.join(found['fingers_untared'])}", err=True)
     if recordings is not None and array is not None:
         from tactile.score.sequences import KINDS, read_sequences, score_sequences  # the same
         from tactile.wire.description_file import read_description  # the same
@@ -113,10 +137,24 @@ def score(
                 err=True,
             )
     if grasps or idle_minutes:
-        from tactile.score.simulated import score_grasps  # the same
+        from tactile.score.simulated import labelled_grasps, score_grasps  # the same
 
         seeds = _half(list(range(from_seed, from_seed + grasps)), half)
-        simulated = score_grasps(watched(seeds, "grasps", len(seeds)), settings, idle_minutes, window_ms * 1e-3)
+        if perturb:
+            sources.append(labelled_grasps(seeds))
+    if perturb:
+        from tactile.score.perturb import chosen_perturbations  # the same
+        from tactile.score.robustness import score_perturbed  # the same
+
+        changes, cases = chosen_perturbations(perturb), [one.in_memory() for part in sources for one in part]
+        runs = score_perturbed(cases, watched(changes, "perturbations", len(changes)), settings, window)
+        if as_json:
+            print_json({"perturbations": {name: one.plain() for name, one in runs}})
+        else:
+            _print_perturbations(runs)
+        return
+    if grasps or idle_minutes:
+        simulated = score_grasps(watched(seeds, "grasps", len(seeds)), settings, idle_minutes, window)
         found["simulated"] = simulated.plain()
     if as_json:
         print_json(found)
@@ -147,8 +185,19 @@ def _print(found: dict[str, Any]) -> None:
             f"{kind:<28} {ratios}, {figures['hit']} right, {figures['false']} false, {figures['missed']} missed{onset}"
         )
     for name, value in found.items():
-        if value not in (None, {}):
+        if value not in (None, {}, []):
             echo(f"{name.replace('_', ' ')}: {value}")
+
+
+def _print_perturbations(runs: Iterable[tuple[str, "Robustness"]]) -> None:
+    for number, (name, one) in enumerate(runs):
+        kinds = sorted(one.kinds)
+        if not number:
+            heads = "  ".join(f"{kind + ' P, R':>20}" for kind in kinds)
+            echo(f"{'perturbation':<26} {'false shear/min':>15}  {heads}")
+        pairs = [", ".join(_ratio(value) for _, value in one.kinds[kind].ratios()) for kind in kinds]
+        ratios = "  ".join(f"{pair:>20}" for pair in pairs)
+        echo(f"{name:<26} {one.plain()['false_shear_events_a_minute']:>15}  {ratios}")
 
 
 def _print_sequences(found: dict[str, Any]) -> None:
@@ -165,4 +214,4 @@ def _print_sequences(found: dict[str, Any]) -> None:
 
 
 def _ratio(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3f}"
+    return "-" if value is None or value != value else f"{value:.3f}"

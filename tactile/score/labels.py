@@ -1,11 +1,13 @@
 """Labels of recordings: known times of events of each finger, from a CSV file."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Self
 
 from cnnsim.support import InputError
 from tactile.core.label_lines import read_lines
+from tactile.core.source import Source, with_frames
 
 TRUTHS = {
     "contact_s": "contact", "release_s": "release", "tangential_onset_s": "tangential_load", "gross_slip_s": "slip",
@@ -27,6 +29,19 @@ class Labelled:
     times: Mapping[str, float]
     holds: tuple[float, float] | None
     flag: float | None
+
+
+@dataclass(frozen=True)
+class LabelledSource:
+    """A recording or a simulated grasp: its ``source`` and the labels of its fingers."""
+
+    name: str
+    source: Source
+    labels: Sequence[Labelled]
+
+    def in_memory(self) -> Self:
+        """Return it with all its frames read."""
+        return replace(self, source=with_frames(self.source, list(self.source)))
 
 
 def read_labels(path: Path) -> list[Labelled]:

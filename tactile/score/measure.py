@@ -1,48 +1,35 @@
 """Score of labelled recordings: agreement of events with labels, and code changes during holds."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cnnsim.support import InputError
 from tactile import pipeline
 from tactile.core.source import Source
 from tactile.events.event import Event, EventLog
+from tactile.layout.layout import Layout
 from tactile.pipeline import FrameReport
 from tactile.score.baselines import baseline
-from tactile.score.labels import Labelled
+from tactile.score.labels import Labelled, LabelledSource
 from tactile.score.match import WINDOW, Tally
 from tactile.settings import Settings
+from tactile.sources import KINDS, open_source, recordings_in
 
-SUFFIXES = (".mcap", ".npz", ".csv", ".toml")
 MARK = "baseline: "
 
 
-def voted(x: NDArray[np.int8]) -> NDArray[np.int8]:
-    """Return a ternary plane (rows, cols) with 0 where no 8-neighbour agrees: a vote of the neighbourhood."""
-    around = np.pad(x, 1)
-    rows, cols = x.shape
-    agree = np.zeros(x.shape, bool)
-    for i in range(3):
-        for j in range(3):
-            if (i, j) != (1, 1):
-                agree |= around[i : i + rows, j : j + cols] == x
-    return np.where(agree, x, 0).astype(np.int8)
-
-
 class Watched:
-    """A sink that collects events, and the times of code changes, also after the neighbourhood vote."""
+    """A sink that collects events, the times of code changes, and the names of the fingers with a tare."""
 
     def __init__(self) -> None:
         self._log = EventLog()
         self.changes: dict[str, list[float]] = {}
-        self.voted_changes: dict[str, list[float]] = {}
+        self.tared: set[str] = set()
         self._codes: dict[str, str] = {}
-        self._voted: dict[str, bytes] = {}
 
     @property
     def events(self) -> list[Event]:
@@ -56,23 +43,26 @@ class Watched:
         if code != self._codes.setdefault(name, code):
             self.changes.setdefault(name, []).append(report.frame.t)
             self._codes[name] = code
-            vote = voted(report.code.x).tobytes() + voted(report.code.y).tobytes()
-            if vote != self._voted.get(name, vote):
-                self.voted_changes.setdefault(name, []).append(report.frame.t)
-            self._voted[name] = vote
+        if report.tare is not None:
+            self.tared.add(name)
 
 
 @dataclass
 class Score:
-    """Combined score of many recordings; names of the baseline begin with "baseline: "."""
+    """Combined score of many recordings; names of the baseline begin with "baseline: ".
+
+    ``missing``: labelled recordings that are not there; ``untared``: labelled fingers that were never tared, so that
+    they have no events.
+    """
 
     kinds: dict[str, Tally] = field(default_factory=dict)
     before_flag: list[bool] = field(default_factory=list)
     held_s: dict[int, float] = field(default_factory=dict)
     changes: dict[int, int] = field(default_factory=dict)
-    voted_changes: dict[int, int] = field(default_factory=dict)
     held_events: int = 0
     events: list[int] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
+    untared: list[str] = field(default_factory=list)
 
     def plain(self) -> dict[str, Any]:
         """Return all as plain data."""
@@ -82,40 +72,62 @@ class Score:
             "kinds": {name: tally.plain() for name, tally in sorted(self.kinds.items())},
             "contact_before_flag": round(float(np.mean(self.before_flag)), 4) if self.before_flag else None,
             "code_changes_a_second_of_hold": per_second,
-            "the_same_after_a_vote": {
-                str(n): round(self.voted_changes.get(n, 0) / s, 4) for n, s in sorted(self.held_s.items()) if s
-            },
             "events_a_minute_of_hold": round(self.held_events / minutes, 3) if minutes else None,
             "events_a_recording": {"median": float(np.median(self.events)), "most": max(self.events)},
+            "recordings_missing": self.missing,
+            "fingers_untared": self.untared,
         }
 
 
-def score(
-    folder: Path, labels: Iterable[Labelled], open_one: Callable[[Path], tuple[Source, Settings]],
-    window: float = WINDOW, watch: Callable[[list[str]], Iterable[str]] = iter,
-) -> Score:  # fmt: skip
-    """Run every labelled recording through the pipeline and count.
+def labelled_sources(
+    folder: Path, labels: Iterable[Labelled], layout: Layout | None = None,
+    watch: Callable[[list[str]], Iterable[str]] = iter,
+) -> tuple[list[str], Iterator[LabelledSource]]:  # fmt: skip
+    """Return the names of the labelled recordings that are not in the folder, and the others, opened one by one.
 
-    Arguments: ``open_one`` opens a recording and returns its settings; ``window`` [s] of a match; ``watch`` passes the
-    names on and may show progress. If the labels of a recording name a kind for one finger, that kind is judged on all
-    its labelled fingers.
+    Arguments: ``layout`` of tables of another program; ``watch`` passes the names on and may show progress.
 
     Raises:
-        InputError: a missing recording, or a missing labelled finger.
+        InputError: none of the recordings is there, or a labelled finger is missing.
     """
-    total, by_name = Score(), dict[str, list[Labelled]]()
+    by_name = dict[str, list[Labelled]]()
     for label in labels:
         by_name.setdefault(label.recording, []).append(label)
-    for name in watch(list(by_name)):
-        fingers = by_name[name]
-        source, settings = open_one(_find(folder, name))
-        seen = Watched()
-        pipeline.run(source, settings, [seen])
+    paths = {path.name if path.is_dir() else path.stem: path for path in recordings_in(folder, layout)}
+    there = [name for name in by_name if name in paths]
+    missing = [name for name in by_name if name not in paths]
+    if not there:
+        raise InputError(f"{folder}: no recording of the labels {', '.join(missing)}; {', '.join(KINDS)} wanted")
+
+    def opened() -> Iterator[LabelledSource]:
+        for name in watch(there):
+            source = open_source(paths[name], layout)
+            for label in by_name[name]:
+                if label.finger >= len(source.arrays):
+                    raise InputError(f"{name}: {len(source.arrays)} fingers; the labels have finger {label.finger}")
+            yield LabelledSource(name, source, by_name[name])
+
+    return missing, opened()
+
+
+def score(
+    of: Iterable[LabelledSource], settings: Callable[[Source], Settings], window: float = WINDOW,
+    missing: Iterable[str] = (),
+) -> Score:  # fmt: skip
+    """Run every labelled recording through the pipeline and count; ``window`` [s] of a match.
+
+    If the labels of a recording name a kind for one finger, that kind is judged on all its labelled fingers.
+    """
+    total = Score(missing=list(missing))
+    for case in of:
+        seen, chosen = Watched(), settings(case.source).of(case.source)
+        pipeline.run(case.source, chosen, [seen])
         total.events.append(len(seen.events))
-        for label in fingers:
-            if label.finger >= len(source.arrays):
-                raise InputError(f"{name}: {len(source.arrays)} fingers; the labels have finger {label.finger}")
-            _judge(total, seen, label, source, window)
+        for label in case.labels:
+            name = case.source.arrays[label.finger].name
+            if chosen.tare != "off" and name not in seen.tared:
+                total.untared.append(f"{case.name}: {name}")
+            _judge(total, seen, label, case.source, window)
     return total
 
 
@@ -138,14 +150,4 @@ def _judge(total: Score, seen: Watched, label: Labelled, source: Source, window:
         changed = [t for t in seen.changes.get(array.name, []) if start <= t <= stop]
         total.held_s[label.finger] = total.held_s.get(label.finger, 0.0) + stop - start
         total.changes[label.finger] = total.changes.get(label.finger, 0) + len(changed)
-        calmer = [t for t in seen.voted_changes.get(array.name, []) if start <= t <= stop]
-        total.voted_changes[label.finger] = total.voted_changes.get(label.finger, 0) + len(calmer)
         total.held_events += sum(start <= t <= stop for t, _ in mine)
-
-
-def _find(folder: Path, name: str) -> Path:
-    for suffix in SUFFIXES:
-        path = folder / f"{name}{suffix}"
-        if path.is_file():
-            return path
-    raise InputError(f"no recording {folder / name} with a suffix of {', '.join(SUFFIXES)}")

@@ -10,7 +10,8 @@ from tactile import pipeline
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance
 from tactile.events.event import Event, EventLog
-from tactile.score.baselines import baseline, slip_baseline
+from tactile.score.baselines import baseline
+from tactile.score.labels import Labelled, LabelledSource
 from tactile.score.match import WINDOW, Tally
 from tactile.score.partial_slip import NOISE, NOISY, Grasp, grasp
 from tactile.settings import Settings
@@ -62,6 +63,14 @@ def score_grasps(
     return total
 
 
+def labelled_grasps(seeds: Iterable[int]) -> Iterator[LabelledSource]:
+    """Yield the grasp of every seed with its known onsets as labels."""
+    for seed in seeds:
+        one = grasp(seed)
+        name = f"grasp {seed}"
+        yield LabelledSource(name, one.source(), [Labelled(name, 0, one.truth, None, None)])
+
+
 def _events(source: FrameStream, settings: Settings) -> list[Event]:
     log = EventLog()
     pipeline.run(source, settings, [lambda report: log.add(report.events, report.ended)])
@@ -71,7 +80,7 @@ def _events(source: FrameStream, settings: Settings) -> list[Event]:
 def _judge(total: SimulatedScore, one: Grasp, source: FrameStream, events: list[Event], window: float) -> None:
     frames = list(source)
     t, values = np.array([frame.t for frame in frames]), np.array([frame.values for frame in frames])
-    plain = [*baseline(t, values, 1.0), *slip_baseline(t, values)]
+    plain = baseline(t, values, 1.0)
     mine = [(event.t, event.kind) for event in events]
     for kind in KINDS:
         known = [one.truth[kind]] if kind in one.truth else []

@@ -10,9 +10,8 @@ from cnnsim.sweep.kind import Case, Kind, Row
 from tactile.core.source import Source, provenance
 from tactile.score.labels import read_labels
 from tactile.score.match import WINDOW
-from tactile.score.measure import MARK, score
+from tactile.score.measure import MARK, labelled_sources, score
 from tactile.settings import PipelineOptions, Settings
-from tactile.sources import open_source
 from tactile.thresholds.levels import SIGMAS
 
 SIGMA_KEYS = {"dead_band_sigmas": "dead_band", "hysteresis_sigmas": "hysteresis", "contact_sigmas": "contact"}
@@ -58,13 +57,12 @@ def run_one(case: Case) -> Row:
     """Score the recordings with one choice: for each kind precision, recall and errors of the onset, and the rest."""
     options = options_of(case)
 
-    def opened(path: Path) -> tuple[Source, Settings]:
-        source = open_source(path)
-        tared = replace(options, tare="auto" if provenance(source).untared else "off")
-        return source, tared.settings(source)
+    def settings(source: Source) -> Settings:
+        return replace(options, tare="auto" if provenance(source).untared else "off").settings(source)
 
     window = case["window_ms"] * 1e-3 if "window_ms" in case else WINDOW
-    found = score(Path(case["recordings"]), read_labels(Path(case["labels"])), opened, window).plain()
+    missing, sources = labelled_sources(Path(case["recordings"]), read_labels(Path(case["labels"])))
+    found = score(sources, settings, window, missing).plain()
     row: Row = {}
     for kind, figures in found.pop("kinds").items():
         if not kind.startswith(MARK):  # baselines have no thresholds

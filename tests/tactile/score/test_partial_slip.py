@@ -8,7 +8,6 @@ import pytest
 
 from tactile.core.frame import TaxelArray
 from tactile.score import partial_slip
-from tactile.score.measure import voted
 from tactile.score.partial_slip import Grasp, grasp
 from tactile.score.simulated import score_grasps
 from tactile.settings import Settings
@@ -109,11 +108,6 @@ def test_the_command_scores_one_half_and_names_missing_options() -> None:
     assert "nothing to score" in call("score").output
     assert "--array, wanted" in call("score", "--labels", "l.csv").output
     assert "--kind and --rate are of sequences" in call("score", "--grasps", "1", "--gain", "2").output
-
-
-def test_a_vote_drops_taxels_without_agreeing_neighbours() -> None:
-    plane = np.array([[1, 1, 0], [0, 0, 0], [0, 0, -1]], np.int8)
-    assert np.array_equal(voted(plane), [[1, 1, 0], [0, 0, 0], [0, 0, 0]])
 
 
 @pytest.mark.parametrize("seed", [5002, 5009])
