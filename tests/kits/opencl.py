@@ -1,10 +1,13 @@
 """The OpenCL backend for its own tests; modules that import this are skipped if there is no device."""
 
+from collections.abc import Callable
+
 import pytest
 
 cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends.opencl.backend import OpenCLBackend  # noqa: E402 - only where pyopencl is there
+from cnnsim.backends.opencl.device.context import Counts  # noqa: E402
 from cnnsim.backends.opencl.device.devices import Family, all_devices  # noqa: E402
 
 if not all_devices():
@@ -12,4 +15,12 @@ if not all_devices():
 
 FAMILIES: tuple[Family, ...] = ("cpu", "gpu")
 
-__all__ = ["FAMILIES", "Family", "OpenCLBackend", "cl"]
+__all__ = ["FAMILIES", "Family", "OpenCLBackend", "cl", "counted"]
+
+
+def counted(backend: OpenCLBackend, work: Callable[[], object]) -> Counts:
+    """Do some work a second time, when everything is compiled and in tables, and return its counts."""
+    work()
+    counts = backend._context.counts = Counts()
+    work()
+    return counts

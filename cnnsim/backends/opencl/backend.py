@@ -83,7 +83,7 @@ class OpenCLBackend(Backend):
         in_place = not copy and memory == "lam" and self._context.works_in_place(host.nbytes)
         kept, copied = cl.mem_flags.READ_ONLY | cl.mem_flags.USE_HOST_PTR, cl.mem_flags.READ_WRITE
         flags = kept if in_place else copied | cl.mem_flags.COPY_HOST_PTR
-        buffer = cl.Buffer(self._context.context, flags, hostbuf=host)
+        buffer = self._context.load(host, flags)
         return DevicePlane(buffer, values.shape, memory, callers=in_place)
 
     def read(self, plane: DevicePlane, *, copy: bool = True) -> Array:
@@ -95,7 +95,7 @@ class OpenCLBackend(Backend):
             return array
         row = words_of(plane.shape[-1]) * 8 if words else plane.shape[-1]
         host = np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)
-        cl.enqueue_copy(self._context.queue, host, plane.buffer)
+        self._context.read(plane.buffer, host)
         return np.unpackbits(host, axis=-1, count=plane.shape[-1], bitorder="little").astype(bool) if words else host
 
     def convert(self, plane: DevicePlane, memory: Memory) -> DevicePlane:
@@ -176,7 +176,7 @@ class OpenCLBackend(Backend):
                 grids = plane.shape[0]
                 totals, each = np.empty(grids, np.int64), context.buffer(8 * grids)
                 launch(context, "count_each", words, plane.buffer, each, np.int64(grids), np.int32(words // grids))
-                cl.enqueue_copy(context.queue, totals, each)
+                context.read(each, totals)
                 return totals
             parts = launch(context, "count_black", words, plane.buffer, context.partial, np.int64(words))
             return int(context.parts(parts, np.dtype(np.uint64)).sum())

@@ -5,7 +5,6 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 import numpy as np
-import pyopencl as cl
 
 from cnnsim.backends.opencl.device.build import Defines
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
@@ -104,7 +103,7 @@ class NetworkPlanes:
     def set_bias(self, bias: Buffer | None) -> None:
         """Set the drive to a bias map, or to 0."""
         if bias is None:
-            cl.enqueue_fill_buffer(self._context.queue, self.w, np.zeros(1, np.int64), 0, self.w.size // 8 * 8)
+            self._context.clear(self.w, self.w.size // 8 * 8)
         else:
             self.padded.pad(bias, self.w, 0, 0.0)
 

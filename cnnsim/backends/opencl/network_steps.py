@@ -38,7 +38,7 @@ class _PaddedSteps(Stepper):
 
     def wait(self) -> None:
         """See `Stepper.wait`."""
-        self._context.queue.finish()
+        self._context.wait()
 
     def finish(self) -> Buffer:
         """See `Stepper.finish`."""

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pyopencl as cl
 
 from cnnsim.backends.opencl.device.build import boundary_defines
 from cnnsim.backends.opencl.device.context import GROUP, Buffer, DeviceContext
@@ -44,7 +43,7 @@ class PaddedPlanes:
         """Return a buffer of ``count`` planes of zeros; the gaps between rows are read, so they must be finite."""
         size = count * self.size * self._context.dtype.itemsize
         buffer = self._context.buffer(size)
-        cl.enqueue_fill_buffer(self._context.queue, buffer, np.zeros(1, np.int64), 0, size // 8 * 8)
+        self._context.clear(buffer, size // 8 * 8)
         return buffer
 
     def pad(self, plane: Buffer, to: Buffer, number: int, outside: float) -> None:

@@ -63,7 +63,7 @@ class CheckedSteps(Stepper):
 
     def wait(self) -> None:
         """See `Stepper.wait`."""
-        self._context.queue.finish()
+        self._context.wait()
 
     def finish(self) -> Buffer:
         """See `Stepper.finish`."""

@@ -4,6 +4,7 @@ import ctypes
 import os
 from collections.abc import Iterator
 from contextlib import nullcontext
+from dataclasses import dataclass
 from functools import cache
 from threading import RLock
 from time import sleep
@@ -42,6 +43,21 @@ SPARE = 8
 _CONTEXTS: list["DeviceContext"] = []
 
 
+@dataclass
+class Counts:
+    """The cost of some work in units that do not depend on the device.
+
+    ``launches`` of kernels and fills, ``waits`` of the host, ``buffers`` taken, and bytes moved ``to_device`` and
+    ``from_device``.
+    """
+
+    launches: int = 0
+    waits: int = 0
+    buffers: int = 0
+    to_device: int = 0
+    from_device: int = 0
+
+
 class _Lock:
     """A lock for one thread at a time; on an error it waits until no kernel runs in memory that is then freed."""
 
@@ -69,7 +85,7 @@ class DeviceContext:
     def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
         self.device, self.family, self.dtype = device, family, dtype
         self.context, self.queue, self._pool = _context_of(device)
-        self.lock = _Lock(self.queue)
+        self.lock, self.counts = _Lock(self.queue), Counts()
         wide = dtype == np.float32 and has_wide_vectors(device)
         self.lanes = (WIDE_LANES if wide else LANES) if family == "cpu" else 1
         self.cores = device.max_compute_units
@@ -93,6 +109,7 @@ class DeviceContext:
         """Return a buffer of at least ``size`` bytes with any contents; released memory is used again."""
         if size >= IN_PLACE and self._pool.managed_bytes - self._pool.active_bytes > SPARE * size:
             self._pool.free_held()
+        self.counts.buffers += 1
         return cast(Buffer, self._pool.allocate(size))  # it is used as one
 
     def plane(self, cells: int) -> Buffer:
@@ -108,9 +125,31 @@ class DeviceContext:
         """Return a few read-only numbers on the device; equal numbers are transferred once."""
         key = numbers.tobytes()
         if key not in self._tables:
-            flags = cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR
-            self._tables[key] = cl.Buffer(self.context, flags, hostbuf=numbers)
+            self._tables[key] = self.load(numbers, cl.mem_flags.READ_ONLY | cl.mem_flags.COPY_HOST_PTR)
         return self._tables[key]
+
+    def load(self, host: np.ndarray[Any, Any], flags: int) -> Buffer:
+        """Return a buffer of the numbers of an array."""
+        self.counts.buffers += 1
+        self.counts.to_device += 0 if flags & cl.mem_flags.USE_HOST_PTR else host.nbytes
+        return cl.Buffer(self.context, flags, hostbuf=host)
+
+    def read(self, buffer: Buffer, host: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+        """Wait for the device and copy the first numbers of a buffer to an array; return the array."""
+        self.counts.waits += 1
+        self.counts.from_device += host.nbytes
+        cl.enqueue_copy(self.queue, host, buffer)
+        return host
+
+    def clear(self, buffer: Buffer, size: int) -> None:
+        """Fill the first ``size`` bytes of a buffer, a multiple of 8, with 0."""
+        self.counts.launches += 1
+        cl.enqueue_fill_buffer(self.queue, buffer, np.zeros(1, np.int64), 0, size)
+
+    def wait(self) -> None:
+        """Wait until all launches are done."""
+        self.counts.waits += 1
+        self.queue.finish()
 
     def kernel(self, name: str, stems: str, defines: Defines, extra: str = "") -> cl.Kernel:
         """Return a kernel of the files kernels/<stem>.cl, joined, and ``extra`` text, with these definitions."""
@@ -137,6 +176,7 @@ class DeviceContext:
 
     def enqueue(self, kernel: cl.Kernel, global_size: Any, local_size: Any, *arguments: Any) -> None:
         """Launch a kernel. Drivers compile at the first launch, for seconds, so Python waits where it hears signals."""
+        self.counts.launches += 1
         first = kernel not in self._launched
         if first:  # with known types all arguments are set in a microsecond, else in a hundred
             kernel.set_scalar_arg_dtypes([a.dtype if isinstance(a, np.generic) else None for a in arguments])
@@ -161,14 +201,13 @@ class DeviceContext:
             if len(parts) > 1:
                 done = cl.enqueue_marker(self.queue)
                 if before is not None:
+                    self.counts.waits += 1
                     before.wait()
                 before = done
 
     def parts(self, count: int, dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
         """Read ``count`` numbers that a kernel left in ``partial``."""
-        numbers = np.empty(count, dtype)
-        cl.enqueue_copy(self.queue, numbers, self.partial)
-        return numbers
+        return self.read(self.partial, np.empty(count, dtype))
 
 
 @cache
