@@ -31,6 +31,7 @@ __all__ = [
     "explain",
     "fixed",
     "from_gray",
+    "gradient",
     "library",
     "load_program",
     "plot",
@@ -51,6 +52,7 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from cnnsim import library, plot
     from cnnsim.backends.opencl.device.devices import devices
     from cnnsim.convergence import NotSettledError
+    from cnnsim.learning.gradient import gradient
     from cnnsim.library.catalogue import run
     from cnnsim.network import (
         PERIODIC,

@@ -15,7 +15,7 @@ from cnnsim.backends.slices import PIECE
 from cnnsim.backends.term_table import characteristic, tabulate
 from cnnsim.learning.adjoint_loops import backward, forward
 from cnnsim.learning.adjoint_terms import INPUT, OUTPUT, STATE, Rule
-from cnnsim.network import Frames, LayeredTemplate, Term, layered
+from cnnsim.network import AnyTemplate, LayeredTemplate, Template, Term, layered
 from cnnsim.network.boundary import virtual_index
 from cnnsim.network.frames import at_step, spans
 from cnnsim.planning.plan import Plan
@@ -38,6 +38,23 @@ def terms_of(network: LayeredTemplate, *, static: bool) -> list[tuple[int, Term]
 def weights_of(network: LayeredTemplate) -> Floats:
     """Return the weights of all terms of the input, then of all others, in the order of `terms_of`, zeros too."""
     return np.concatenate([term.weights.ravel() for s in (True, False) for _, term in terms_of(network, static=s)])
+
+
+def with_weights(template: AnyTemplate, weights: Floats, z: Floats) -> AnyTemplate:
+    """Return a template with other weights, the reverse of `weights_of`, and with z (layers,)."""
+    network = layered(template)
+    shapes = [term.weights.shape for s in (True, False) for _, term in terms_of(network, static=s)]
+    ends = np.cumsum([np.prod(shape) for shape in shapes])[:-1]
+    parts = iter([part.reshape(shape) for part, shape in zip(np.split(weights, ends), shapes, strict=True)])
+    by_input = [[next(parts) for _ in (own.B, *own.control_terms)] for own in network.layers]
+    others = [[next(parts) for _ in (own.A, *own.feedback_terms)] for own in network.layers]
+    layers = []
+    for own, (b, *control), (a, *feedback), bias in zip(network.layers, by_input, others, z, strict=True):
+        new = dict(zip(map(id, (*own.control_terms, *own.feedback_terms)), (*control, *feedback), strict=True))
+        layers.append(Template(a, b, bias, own.name, [replace(term, weights=new[id(term)]) for term in own.terms]))
+    if isinstance(template, LayeredTemplate):
+        return LayeredTemplate(layers, template.time_constants, template.name)
+    return layers[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +89,16 @@ class AdjointTransient:
         self.state = self._load(task.state)
         self._ones = np.ones_like(self.state)
         self._free = self._ones if task.mask is None else self._load(~task.mask)
-        self._starts = [first for first, _ in spans(max(1, steps), plan.step, [], task.input, task.bias)]
+        self.starts = [first for first, _ in spans(max(1, steps), plan.step, [], task.input, task.bias)]
         self.inputs, self._biases = (
-            [self._load(0.0 * task.state if value is None else at_step(value, first, plan.step)) for first in self._starts]
+            [
+                self._load(0.0 * task.state if value is None else at_step(value, first, plan.step))
+                for first in self.starts
+            ]
             for value in (task.input, task.bias)
         )
         self._kept: dict[int, Array] = {}
+        self._spare: dict[tuple[int, ...], Array] = {}
         self._drives: list[Array] = []
         self._weights: tuple[Array, Array] = (np.empty(0), np.empty(0))
 
@@ -96,6 +117,7 @@ class AdjointTransient:
         for u, bias in zip(self.inputs, self._biases, strict=True):
             path = self._path(0.0 * u, (bias + offset, u, self._ones, self._weights[0], self._rules[0]), 1)
             self._drives.append(np.ascontiguousarray(path[:, 1]))
+        self._spare |= {path.shape: path for path in self._kept.values() if self._whole}
         self._kept, self._cuts = {}, self._edges(at)
         x, found = self.state, {0: self.state}
         for first, end in pairwise(self._cuts):
@@ -112,24 +134,26 @@ class AdjointTransient:
         """Return the steps between which the compiled loops run: spans, losses, kept states, room for Ctrl-C."""
         work = self.state.size * len(self._rules[1].taps)
         every = max(1, min(self.steps if self._whole else isqrt(self.steps), PIECE // work))
-        return sorted({*self._starts, *at, *range(0, self.steps, every), self.steps})
+        return sorted({*self.starts, *at, *range(0, self.steps, every), self.steps})
 
     def _path(self, x: Array, given: tuple[Any, ...], steps: int, *, whole: bool = True) -> Array:
         """Return the states of a run from x, or (not ``whole``) the last two, state s at s % 2."""
-        path = np.empty((len(x), steps + 1 if whole else 2, *x.shape[1:]), self.dtype)
+        shape = len(x), steps + 1 if whole else 2, *x.shape[1:]
+        path = self._spare.pop(shape, None)  # the pages of new memory would take as long as the run
+        path = np.empty(shape, self.dtype) if path is None else path
         path[:, 0] = x
         _on_threads(forward, path, given, steps)
         return path
 
     def _span(self, step: int) -> int:
-        return sum(start <= step for start in self._starts) - 1
+        return sum(start <= step for start in self.starts) - 1
 
     def _given(self, step: int) -> tuple[Any, ...]:
         span = self._span(step)
         return self._drives[span], self.inputs[span], self._free, self._weights[1], self._rules[1]
 
     def backward(self, bars: Mapping[int, Array]) -> Pulled:
-        """Return the derivatives of a loss whose derivative by the state after step s is ``bars[s]``, of the last run."""
+        """Return the derivatives of a loss of the last run; ``bars[s]`` is its derivative by the state after step s."""
         n, zeros = len(self.state), np.zeros_like
         of_x, of_w, of_u = zeros(self.state), [zeros(u) for u in self.inputs], [zeros(u) for u in self.inputs]
         of_static, of_moving = (np.zeros((n, len(rule.taps))) for rule in self._rules)
@@ -142,7 +166,10 @@ class AdjointTransient:
         if 0 in bars:
             of_x += bars[0]
         for u, from_w, from_u in zip(self.inputs, of_w, of_u, strict=True):
-            path, given = np.zeros((n, 2, *u.shape[1:]), self.dtype), (u, u, self._ones, self._weights[0], self._rules[0])
+            path, given = (
+                np.zeros((n, 2, *u.shape[1:]), self.dtype),
+                (u, u, self._ones, self._weights[0], self._rules[0]),
+            )
             _on_threads(backward, path, given, 1, from_w.copy(), zeros(u), from_u, of_static)
         weights = np.concatenate([of_static.sum(axis=0), of_moving.sum(axis=0)])
         z = np.sum([plane.sum(axis=(0, 2, 3), dtype=np.float64) for plane in of_w], axis=0)

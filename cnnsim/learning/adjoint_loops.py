@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from cnnsim.backends.cpu.compiled import helper
+from cnnsim.backends.cpu.tiles.functions import copy_row, min_max
 from cnnsim.learning.adjoint_terms import (
+    CLIP,
     INPUT,
     STATE,
     Rule,
@@ -34,18 +36,13 @@ def _stages(x: Array, w: Array, u: Array, free: Array, weights: Array, rule: Rul
             _after(stage[layer], x[layer], rates[:s, layer], a[s], gains[layer], free[layer], rule.limited)
         if s < last:
             fill_planes(planes, stage, u, rule)
-            rate = rates[s]
             for layer in range(len(x)):
                 for i in range(x.shape[1]):
-                    out, own, given = rate[layer, i], stage[layer, i], w[layer, i]
-                    for j in range(out.size):
-                        out[j] = given[j] - own[j]
-            add_terms(rate, planes, weights, rule)
+                    _difference(rates[s, layer, i], w[layer, i], stage[layer, i])
+            add_terms(rates[s], planes, weights, rule)
             for layer in range(len(x)):
                 for i in range(x.shape[1]):
-                    out, allowed = rate[layer, i], free[layer, i]
-                    for j in range(out.size):
-                        out[j] *= allowed[j]
+                    _scale(rates[s, layer, i], rates[s, layer, i], free[layer, i], x.dtype.type(1))
 
 
 @helper
@@ -61,7 +58,7 @@ def _after(out: Array, x: Array, rates: Array, row: Array, gain: float, free: Ar
                 add_one(line, rates[s, i], gain * row[s])
         if limited:
             for j in range(line.size):
-                line[j] = min(max(line[j], -one), one) if free[i, j] else own[j]
+                line[j] = min_max(line[j], one) if free[i, j] else own[j]
 
 
 @kept_njit(error_model="numpy", nogil=True)
@@ -80,6 +77,45 @@ def forward(path: Array, w: Array, u: Array, free: Array, weights: Array, rule: 
                        rule.limited)  # fmt: skip
 
 
+@helper
+def _difference(out: Array, a: Array, b: Array) -> None:
+    for j in range(out.size):
+        out[j] = a[j] - b[j]
+
+
+@helper
+def _stop(bar: Array, x: Array, free: Array) -> None:
+    """Set the derivatives to 0 in free cells that were stopped at a limit."""
+    for j in range(bar.size):
+        if free[j] and abs(x[j]) >= 1:
+            bar[j] = 0
+
+
+@helper
+def _scale(out: Array, bar: Array, free: Array, factor: float) -> None:
+    for j in range(out.size):
+        out[j] = factor * free[j] * bar[j]
+
+
+@helper
+def _add_scaled(out: Array, bar: Array, free: Array, factor: float) -> None:
+    for j in range(out.size):
+        out[j] += factor * free[j] * bar[j]
+
+
+@helper
+def _add_sloped(out: Array, bar: Array, x: Array, output: tuple[int, Array, Array]) -> None:
+    """Add bar f'(x)."""
+    kind, at, values = output
+    if kind == CLIP:
+        slope, zero, one = at[0], at.dtype.type(0), at.dtype.type(1)
+        for j in range(out.size):
+            out[j] += bar[j] * (slope if abs(slope * x[j]) <= one else zero)
+    else:
+        for j in range(out.size):
+            out[j] += bar[j] * value_and_slope(kind, at, values, x[j])[1]
+
+
 @kept_njit(error_model="numpy", nogil=True)
 def backward(
     path: Array, w: Array, u: Array, free: Array, weights: Array, rule: Rule, steps: int,
@@ -91,39 +127,34 @@ def backward(
     and by the weights (n, taps), which are added to.
     """
     (a, b, gains), count, (n, _, layers, rows, cols) = rule.scheme, len(rule.scheme[1]), path.shape
-    kind, at, values = rule.output
     r = (len(rule.around[0]) - rows) // 2
     one = path.dtype.type(1)
     for g in range(n):
         rates = np.empty((count, layers, rows, cols), path.dtype)
         stages, pulls = np.empty_like(rates), np.empty_like(rates)
         planes = np.empty((len(rule.channels), len(rule.around[0]), len(rule.around[1])), path.dtype)
-        pulled, bar = np.empty_like(planes), np.empty((layers, rows, cols), path.dtype)
+        pulled, padded = np.empty_like(planes), np.zeros((layers, rows + 4 * r, cols + 4 * r), path.dtype)
         of_x, of_w, of_u, of_weights = bars[0][g], bars[1][g], bars[2][g], bars[3][g]
         for s in range(steps - 1, -1, -1):
-            x, after = path[g, s], path[g, s + 1]
-            _stages(x, w[g], u[g], free[g], weights, rule, count - 1, (stages, rates, planes))
+            _stages(path[g, s], w[g], u[g], free[g], weights, rule, count - 1, (stages, rates, planes))
             for layer in range(layers):
                 for i in range(rows):
                     if rule.limited:
-                        for j in range(cols):
-                            if free[g, layer, i, j] and abs(after[layer, i, j]) >= one:
-                                of_x[layer, i, j] = 0
+                        _stop(of_x[layer, i], path[g, s + 1, layer, i], free[g, layer, i])
                     for q in range(count):
-                        factor = gains[layer] * b[q]
-                        for j in range(cols):
-                            pulls[q, layer, i, j] = factor * free[g, layer, i, j] * of_x[layer, i, j]
+                        _scale(pulls[q, layer, i], of_x[layer, i], free[g, layer, i], gains[layer] * b[q])
             for q in range(count - 1, -1, -1):
                 stage, pull = stages[q], pulls[q]
                 fill_planes(planes, stage, u[g], rule)
                 pulled[:] = 0
-                pull_terms(pull, planes, pulled, weights, of_weights, rule)
-                fold_planes(pulled, rows, cols, rule.around)
                 for layer in range(layers):
                     for i in range(rows):
-                        for j in range(cols):
-                            bar[layer, i, j] = -pull[layer, i, j]
-                            of_w[layer, i, j] += pull[layer, i, j]
+                        add_one(of_w[layer, i], pull[layer, i], one)
+                        copy_row(padded[layer, 2 * r + i, 2 * r : 2 * r + cols], pull[layer, i])
+                        _scale(pull[layer, i], pull[layer, i], free[g, layer, i], -one)
+                pull_terms(padded, planes, pulled, weights, of_weights, rule)
+                fold_planes(pulled, rows, cols, rule.around)
+                bar = pull  # -k so far; k is in ``padded``
                 for m in range(len(rule.channels)):
                     quantity, layer = rule.channels[m]
                     for i in range(rows):
@@ -133,15 +164,12 @@ def backward(
                         elif quantity == STATE:
                             add_one(bar[layer, i], line, one)
                         else:
-                            out, own = bar[layer, i], stage[layer, i]
-                            for j in range(cols):
-                                out[j] += line[j] * value_and_slope(kind, at, values, own[j])[1]
+                            _add_sloped(bar[layer, i], line, stage[layer, i], rule.output)
                 for layer in range(layers):
                     for i in range(rows):
-                        for j in range(cols):
-                            allowed = free[g, layer, i, j]
-                            if rule.limited and q > 0 and allowed and abs(stage[layer, i, j]) >= one:
-                                continue
-                            of_x[layer, i, j] += bar[layer, i, j]
-                            for p in range(q):
-                                pulls[p, layer, i, j] += gains[layer] * a[q, p] * allowed * bar[layer, i, j]
+                        own, allowed = bar[layer, i], free[g, layer, i]
+                        if rule.limited and q > 0:
+                            _stop(own, stage[layer, i], allowed)
+                        add_one(of_x[layer, i], own, one)
+                        for p in range(q):
+                            _add_scaled(pulls[p, layer, i], own, allowed, gains[layer] * a[q, p])

@@ -4,8 +4,10 @@ import math
 from typing import Any, NamedTuple
 
 from cnnsim.backends.codes import NOTHING, FunctionCode
-from cnnsim.backends.cpu.compiled import helper, reordered
+from cnnsim.backends.cpu.compiled import helper
+from cnnsim.backends.cpu.tiles.functions import min_max
 from cnnsim.support import Array
+from cnnsim.support.compiled_loops import kept_helper
 
 IDENTITY, LINEAR, _, CLIP, _, TANH = map(int, FunctionCode)
 STATE, OUTPUT, INPUT = range(3)
@@ -29,6 +31,10 @@ class Rule(NamedTuple):
     output: tuple[int, Array, Array]
     scheme: tuple[Array, Array, Array]
     limited: bool
+
+
+_summed = kept_helper(error_model="numpy", forceinline=True, fastmath={"reassoc", "contract"})
+"""Compiles a helper whose sums may be added in any order and with fused products, so that they become vector code."""
 
 
 @helper
@@ -74,18 +80,16 @@ def fill_planes(planes: Array, x: Array, u: Array, rule: Rule) -> None:
                     line[j] = own[j]
             elif kind == CLIP:
                 for j in range(cols):
-                    line[j] = min(max(own[j] * at[0], x.dtype.type(-1)), x.dtype.type(1))
+                    line[j] = min_max(own[j] * at[0], x.dtype.type(1))
             else:
                 for j in range(cols):
                     line[j] = value_and_slope(kind, at, values, own[j])[0]
         for i in range(rows + 2 * r):
             inner = r <= i < r + rows
-            for j in range(cols + 2 * r):
-                if inner and j == r:
-                    continue
-                if not (inner and r < j < r + cols):
-                    p, q = row_of[i], col_of[j]
-                    planes[m, i, j] = constant if p < 0 or q < 0 else planes[m, r + p, r + q]
+            for c in range(2 * r if inner else cols + 2 * r):
+                j = c + cols if inner and c >= r else c
+                p, q = row_of[i], col_of[j]
+                planes[m, i, j] = constant if p < 0 or q < 0 else planes[m, r + p, r + q]
 
 
 @helper
@@ -95,32 +99,42 @@ def fold_planes(planes: Array, rows: int, cols: int, around: tuple[Array, Array]
     for m in range(len(planes)):
         for i in range(rows + 2 * r):
             inner = r <= i < r + rows
-            for j in range(cols + 2 * r):
-                if not (inner and r <= j < r + cols):
-                    p, q = around[0][i], around[1][j]
-                    if p >= 0 and q >= 0:
-                        planes[m, r + p, r + q] += planes[m, i, j]
+            for c in range(2 * r if inner else cols + 2 * r):
+                j = c + cols if inner and c >= r else c
+                p, q = around[0][i], around[1][j]
+                if p >= 0 and q >= 0:
+                    planes[m, r + p, r + q] += planes[m, i, j]
 
 
-@helper
+@_summed
 def _add_three(out: Array, line: Array, w0: float, w1: float, w2: float) -> None:
     for j in range(out.size):
         out[j] += w0 * line[j] + w1 * line[j + 1] + w2 * line[j + 2]
 
 
-@helper
+@_summed
 def add_one(out: Array, line: Array, w: float) -> None:
     """Add w line to a row."""
     for j in range(out.size):
         out[j] += w * line[j]
 
 
-@reordered
+@_summed
 def _dot(a: Array, b: Array) -> float:
     total = a.dtype.type(0)
     for j in range(a.size):
         total += a[j] * b[j]
     return total
+
+
+@_summed
+def _dot_three(a: Array, b: Array) -> Any:
+    first = second = third = a.dtype.type(0)
+    for j in range(a.size):
+        first += a[j] * b[j]
+        second += a[j] * b[j + 1]
+        third += a[j] * b[j + 2]
+    return first, second, third
 
 
 @helper
@@ -151,16 +165,17 @@ def add_terms(total: Array, planes: Array, weights: Array, rule: Rule) -> None:
     r = (planes.shape[1] - rows) // 2
     for t in range(len(rule.terms)):
         term = rule.terms[t]
-        plane, linear = planes[term["neighbour"]], _is_linear(term)
+        plane, own, linear = planes[term["neighbour"]], total[term["layer"]], _is_linear(term)
+        first, end = term["first_tap"], term["end_tap"]
         for i in range(rows):
-            out, e = total[term["layer"], i], term["first_tap"]
-            while e < term["end_tap"]:
+            out, e = own[i], first
+            while e < end:
                 k, l = rule.taps[e]["k"], rule.taps[e]["l"]
                 if not linear:
                     for j in range(cols):
                         f, _, m = _factors(term, planes, r + i, r + j, k, l, rule.numbers)
                         out[j] += weights[e] * f * m
-                elif e + 2 < term["end_tap"] and rule.taps[e + 2]["k"] == k:
+                elif e + 2 < end and rule.taps[e + 2]["k"] == k:
                     line = plane[r + i + k, r + l : r + l + cols + 2]
                     _add_three(out, line, weights[e], weights[e + 1], weights[e + 2])
                     e += 2
@@ -171,28 +186,64 @@ def add_terms(total: Array, planes: Array, weights: Array, rule: Rule) -> None:
 
 @helper
 def pull_terms(bar: Array, planes: Array, pulled: Array, weights: Array, into: Array, rule: Rule) -> None:
-    """Transpose `add_terms`: add to ``pulled``, as ``planes``, and to ``into``, as ``weights``, from a drive's ``bar``."""
-    rows, cols = bar.shape[1:]
-    r = (planes.shape[1] - rows) // 2
+    """Transpose `add_terms`: add to ``pulled``, as ``planes``, and to ``into``, as ``weights``.
+
+    ``bar`` (layers, rows + 4 r, cols + 4 r) is the derivative by the drive, with zeros around it.
+    """
+    r = (bar.shape[1] - planes.shape[1]) // 2
     for t in range(len(rule.terms)):
         term = rule.terms[t]
-        neighbour, linear = term["neighbour"], _is_linear(term)
-        for i in range(rows):
-            own = bar[term["layer"], i]
+        if _is_linear(term):
+            _pull_linear(bar[term["layer"]], planes[term["neighbour"]], pulled[term["neighbour"]], weights, into,
+                         (term["first_tap"], term["end_tap"], r), rule.taps)  # fmt: skip
+        else:
+            _pull_function(bar[term["layer"]], planes, pulled, weights, into, term, (rule.taps, rule.numbers, r))
+
+
+@helper
+def _pull_linear(
+    bar: Array, plane: Array, pulled: Array, weights: Array, into: Array, part: tuple[int, int, int], taps: Array
+) -> None:
+    first, end, r = part
+    rows, cols = plane.shape[0] - 2 * r, plane.shape[1] - 2 * r
+    for i in range(rows + 2 * r):
+        out, own, e = pulled[i], bar[r + i, 2 * r : 2 * r + cols], first
+        while e < end:
+            k, l = taps[e]["k"], taps[e]["l"]
+            seen, back = plane[i + k], bar[r + i - k]
+            three = e + 2 < end and taps[e + 2]["k"] == k
+            if three:
+                _add_three(out, back[r - l - 2 :], weights[e + 2], weights[e + 1], weights[e])
+            else:
+                add_one(out, back[r - l :], weights[e])
+            if r <= i < r + rows:
+                if three:
+                    sums = _dot_three(own, seen[r + l : r + l + cols + 2])
+                    into[e] += sums[0]
+                    into[e + 1] += sums[1]
+                    into[e + 2] += sums[2]
+                else:
+                    into[e] += _dot(own, seen[r + l : r + l + cols])
+            e += 3 if three else 1
+
+
+@helper
+def _pull_function(
+    bar: Array, planes: Array, pulled: Array, weights: Array, into: Array, term: Any, given: tuple[Array, Array, int]
+) -> None:
+    taps, numbers, r = given
+    for i in range(r, planes.shape[1] - r):
+        for j in range(r, planes.shape[2] - r):
+            own = bar[r + i, r + j]
             for e in range(term["first_tap"], term["end_tap"]):
-                k, l, weight = rule.taps[e]["k"], rule.taps[e]["l"], weights[e]
-                if linear:
-                    into[e] += _dot(own, planes[neighbour, r + i + k, r + l : r + l + cols])
-                    add_one(pulled[neighbour, r + i + k, r + l : r + l + cols], own, weight)
-                    continue
-                for j in range(cols):
-                    f, slope, m = _factors(term, planes, r + i, r + j, k, l, rule.numbers)
-                    into[e] += own[j] * f * m
-                    to_v, to_m = own[j] * weight * slope * m, own[j] * weight * f
-                    pulled[neighbour, r + i + k, r + j + l] += to_v
-                    if term["centre"] != NOTHING:
-                        pulled[term["centre"], r + i, r + j] -= to_v
-                    if term["times_neighbour"] != NOTHING:
-                        pulled[term["times_neighbour"], r + i + k, r + j + l] += to_m
-                    if term["times_centre"] != NOTHING:
-                        pulled[term["times_centre"], r + i, r + j] -= to_m
+                k, l = taps[e]["k"], taps[e]["l"]
+                f, slope, m = _factors(term, planes, i, j, k, l, numbers)
+                into[e] += own * f * m
+                to_v, to_m = own * weights[e] * slope * m, own * weights[e] * f
+                pulled[term["neighbour"], i + k, j + l] += to_v
+                if term["centre"] != NOTHING:
+                    pulled[term["centre"], i, j] -= to_v
+                if term["times_neighbour"] != NOTHING:
+                    pulled[term["times_neighbour"], i + k, j + l] += to_m
+                if term["times_centre"] != NOTHING:
+                    pulled[term["times_centre"], i, j] -= to_m
