@@ -38,7 +38,9 @@ def end_and_tangent(task: Task, steps: int, way: Direction) -> tuple[Array, Arra
     assert plan.scheme is not None
     h, limited = plan.scheme.gain(plan.step), plan.cell == "full-range"
     free = np.ones(task.state.shape, bool) if task.mask is None else ~task.mask
-    u, bias = task.input, 0.0 if task.bias is None else task.bias
+    u, bias = task.input, np.zeros_like(task.state) if task.bias is None else task.bias
+    assert isinstance(u, np.ndarray)
+    assert isinstance(bias, np.ndarray)
     w = correlate(u, all_taps(template.B), boundary, boundary.u, np.zeros_like(u)) + template.z + bias
     dw = _moved(u, template.B, way.input, way.B, boundary, boundary.u) + way.z + way.bias
     x, dx = task.state, way.state
@@ -64,6 +66,6 @@ def end_and_tangent(task: Task, steps: int, way: Direction) -> tuple[Array, Arra
             old + sum(h * b * k[part] for b, k in zip(plan.scheme.b, rates, strict=True))
             for part, old in ((0, x), (1, dx))
         ]
-        after = limit(*after)
-        x, dx = np.where(free, after[0], x), np.where(free, after[1], dx)
+        limited_after = limit(*after)
+        x, dx = np.where(free, limited_after[0], x), np.where(free, limited_after[1], dx)
     return x, dx

@@ -9,6 +9,7 @@ import pytest
 from cnnsim import Boundary, Frames, InputError, LayeredTemplate, Template, Term, gradient, library, run_transient
 from cnnsim.learning import adjoint
 from cnnsim.learning.adjoint import AdjointTransient, weights_of, with_weights
+from cnnsim.learning.gradient import Gradient
 from cnnsim.network import AnyTemplate, layered
 from cnnsim.task import make_task
 from tests.kits.networks import BOUNDARIES, general_task, settling_task
@@ -25,7 +26,7 @@ def network(seed: int) -> dict[str, Any]:
     task = settling_task(seed)
     rng = np.random.default_rng([seed, 1])
     cut = np.s_[..., : int(rng.integers(1, 7)), : int(rng.integers(1, 7))]
-    planes = {key: task[key][cut] for key in ("state", "input", "bias", "mask") if key in task}
+    planes: dict[str, Any] = {key: task[key][cut] for key in ("state", "input", "bias", "mask") if key in task}
     boundary = [*BOUNDARIES, MIRROR][rng.integers(1 + len(BOUNDARIES))]
     return {**task, **planes, "boundary": boundary, "duration": 1.27, "without": ["closed form"]}
 
@@ -72,6 +73,12 @@ def test_gradients_are_those_of_sensitivities_and_of_finite_differences(seeds: r
     assert found[:, 1].max() < 1e-6
 
 
+def single(found: Gradient) -> Template:
+    """Return the derivatives by the weights of a single layer."""
+    assert isinstance(found.template, Template)
+    return found.template
+
+
 def smooth(template: AnyTemplate) -> AnyTemplate:
     """Return a template with the parts that have a derivative: no delays, and one weight for all cells."""
     layers = [
@@ -84,7 +91,7 @@ def smooth(template: AnyTemplate) -> AnyTemplate:
     return LayeredTemplate(layers, template.time_constants) if isinstance(template, LayeredTemplate) else layers[0]
 
 
-@pytest.mark.parametrize("seed", [1, 2, 6, 7, 8, 9, 13])
+@pytest.mark.parametrize("seed", [4, 5, 6, 11, 15, 17, 18, 25, 31, 33])
 def test_gradients_of_terms_layers_and_sequences_are_those_of_finite_differences(seed: int) -> None:
     given = general_task(seed, 0)
     given["template"] = smooth(given["template"])
@@ -119,8 +126,8 @@ def test_the_gradient_of_a_loss_is_that_of_finite_differences_at_times_and_at_re
             return gradient(Template(own.A, own.B, z), PICTURE, target, scheme="euler", step=0.05, **case)
 
         found = loss(0.2)
-        assert found.template.z == pytest.approx((loss(0.2 + 1e-7).loss - loss(0.2 - 1e-7).loss) / 2e-7, rel=1e-6)
-        assert found.bias.sum() == pytest.approx(found.template.z)
+        assert single(found).z == pytest.approx((loss(0.2 + 1e-7).loss - loss(0.2 - 1e-7).loss) / 2e-7, rel=1e-6)
+        assert found.bias.sum() == pytest.approx(single(found).z)
         assert found.y.shape == target.shape
     x = run_transient(template, state=PICTURE, input=PICTURE, scheme="euler", step=0.05, dtype="float64").y
     assert np.allclose(found.y, x, atol=1e-3)
@@ -134,25 +141,26 @@ def test_long_transients_keep_few_states_and_give_the_same_gradient(monkeypatch:
     run.forward(weights_of(run.network), np.array([0.2]))
     assert len(run._kept) <= 2 * np.sqrt(task.plan.steps)
     again = gradient(COUPLED, PICTURE, TARGET, duration=3.7)
-    assert np.array_equal(whole.template.A, again.template.A)
+    assert np.array_equal(single(whole).A, single(again).A)
     assert np.array_equal(whole.state, again.state)
 
 
+@pytest.mark.slow  # single precision and steady states compile further loops
 def test_single_precision_two_threads_and_other_losses() -> None:
     exact = gradient("edge", PICTURE, TARGET, duration=2.0)
     rough = gradient("edge", PICTURE, TARGET, duration=2.0, dtype="float32")
     assert rough.state.dtype == np.float32
-    np.testing.assert_allclose(rough.template.B, exact.template.B, rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(single(rough).B, single(exact).B, rtol=1e-4, atol=1e-5)
     own = gradient(
         "edge", PICTURE, TARGET, lambda y, d: (float(((y - d) ** 2).mean()), 2 * (y - d) / y.size), duration=2.0
     )
-    assert np.allclose(own.template.B, exact.template.B, rtol=1e-12)
+    assert np.allclose(single(own).B, single(exact).B, rtol=1e-12)
     large = np.broadcast_to(np.tile(PICTURE[0], (8, 8)), (3, 40, 48))
     one, all_three = (
         gradient("edge", large[0], np.sign(large[0]), "hinge"),
         gradient("edge", large, np.sign(large), "hinge"),
     )
-    assert np.allclose(one.template.B, all_three.template.B, rtol=1e-12)
+    assert np.allclose(single(one).B, single(all_three).B, rtol=1e-12)
 
 
 def test_a_sequence_has_derivatives_by_each_plane() -> None:
