@@ -18,7 +18,7 @@ from tactile.core.source import provenance
 from tactile.output.stream_frame import FRICTION, StreamFrame, StreamFrames
 from tactile.pipeline import FrameReport
 from tactile.settings import PipelineOptions, Settings
-from tactile.sources import KINDS
+from tactile.sources import is_file_source
 
 if TYPE_CHECKING:
     from tactile.serial.session import Session
@@ -97,7 +97,7 @@ def stream(
     if not is_number(friction) or not friction > 0:
         raise InputError(f"friction {shown(friction)}; a positive number wanted")
     path = Path(port_or_file)
-    if path.is_file() or path.is_dir() or path.suffix.lower() in KINDS:
+    if is_file_source(path):
         return _of_file(path, array, settings, friction)
     description = None if array is None else _described(array)
     if description is None:

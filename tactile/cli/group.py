@@ -19,6 +19,7 @@ from tactile.cli.planes import codes, planes
 from tactile.cli.run import run
 from tactile.cli.score import score
 from tactile.cli.stream import live, record, replay
+from tactile.cli.studio import studio
 from tactile.cli.texture import texture
 
 SWEEPS = {"scenes": "tactile.sweeps.scenes", "labelled": "tactile.sweeps.labelled"}
@@ -42,6 +43,6 @@ def main() -> None:
 
 for command in (
     run, score, sweep_command(SWEEPS, "tactile", "grips.toml", "seed,frames"), texture, planes, codes, new, calibrate,
-    explain, accuracy, ports, emulate, record, replay, convert, layout, live, examples_command("tactile"),
+    explain, accuracy, ports, emulate, record, replay, convert, layout, live, studio, examples_command("tactile"),
 ):  # fmt: skip
     main.add_command(command)

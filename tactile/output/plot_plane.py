@@ -121,7 +121,7 @@ def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats, dead_b
     at, shear = _blocks(places, block), _blocks(values[..., :NORMAL], block)
     length = np.hypot(*np.moveaxis(shear, -1, 0))
     largest = float(np.nanmax(length))
-    key = _round_number(max(largest, dead_band))
+    key = round_number(max(largest, dead_band))
     scale = key / (REACH * pitch * block) * max(1.0, largest / key)
     arrows = axis.quiver(
         at[..., 0], at[..., 1], shear[..., 0], shear[..., 1], angles="xy", scale_units="xy", scale=scale,
@@ -153,7 +153,7 @@ def _blocks(plane: Floats, block: int) -> Floats:
     return total(np.nan_to_num(plane)) / np.where(count, count, np.nan)
 
 
-def _round_number(value: float) -> float:
+def round_number(value: float) -> float:
     """Return the largest of 1, 2, 5 times a power of ten that is at most a value."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))

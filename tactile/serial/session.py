@@ -13,7 +13,7 @@ from tactile.serial.reader import PortReader
 from tactile.serial.ring import Ring
 from tactile.wire.description import Description
 from tactile.wire.reading import Counts
-from tactile.wire.source import Chunk, WireSource
+from tactile.wire.source import PLUGGED, Chunk, WireSource
 
 NAP = 0.1
 """[s] Longest wait before a thread checks whether to stop."""
@@ -47,6 +47,7 @@ class Session:
         talk = description.wire.talk(description.options)
         self.reader = PortReader(port, description.baudrate, talk, self._take, self._ready.close, once)
         self.recording: Recording | None = None
+        self._lock = threading.Lock()  # of a recording that ends while bytes arrive
         if record is not None:
             try:
                 self.recording = record(self.reader.epoch)
@@ -54,7 +55,7 @@ class Session:
                 self.reader.close()
                 raise
         self._until = float("inf") if seconds is None else time.monotonic() + seconds
-        self.source = WireSource(description, self._chunks(), None if self.recording is None else self._keep, warn)
+        self.source = WireSource(description, self._chunks(), self._keep, warn)
         self.check = PortCheck(port, description, lambda: self.source, warn)
 
     @property
@@ -70,8 +71,33 @@ class Session:
 
     def note(self, topic: str, t: int, data: dict[str, Any]) -> None:
         """Write a JSON object into the recording, if there is one."""
-        if self.recording is not None:
-            self.recording.note(topic, t, data)
+        with self._lock:
+            if self.recording is not None:
+                self.recording.note(topic, t, data)
+
+    def begin_recording(self, record: Callable[[Epoch], Recording]) -> None:
+        """Record from now on; ``record`` makes the recording.
+
+        Raises:
+            InputError: as ``record``.
+        """
+        recording = record(self.reader.epoch)
+        recording.chunk(Chunk(self.now(), note=PLUGGED))
+        with self._lock:
+            self.recording = recording
+
+    def end_recording(self) -> Recording | None:
+        """Record no more, and return the recording, which is to be closed."""
+        with self._lock:
+            recording, self.recording = self.recording, None
+        return recording
+
+    def summary(self) -> dict[str, Any]:
+        """Return counters, clock and what the decoder found out, as plain data for the end of a recording."""
+        clock, settled = self.source.clock.plain(), self.source.decoder.settled()
+        return {
+            "counts": self.counts.plain(), "clock": clock, "settled": settled, "unplugged": self.reader.unplugged,
+        }  # fmt: skip
 
     def stop(self) -> None:
         """End the frames; bytes received so far still come. Safe in a signal handler."""
@@ -119,14 +145,18 @@ class Session:
 
     def _take(self, chunks: list[Chunk]) -> None:
         """Record chunks, then queue them for decoding."""
-        for chunk in chunks:
-            room = self._ready.put(chunk)
-            self._received += len(chunk.data) * room
+        with self._lock:
+            for chunk in chunks:
+                room = self._ready.put(chunk)
+                self._received += len(chunk.data) * room
+                if self.recording is not None:
+                    self.recording.chunk(chunk, room)
             if self.recording is not None:
-                self.recording.chunk(chunk, room)
-        if self.recording is not None:
-            self.recording.push()
+                self.recording.push()
 
     def _keep(self, frame: Frame) -> None:
-        assert self.recording is not None
-        self.recording.frame(frame, self.source.arrival)
+        if self.recording is None:
+            return
+        with self._lock:
+            if self.recording is not None:
+                self.recording.frame(frame, self.source.arrival)

@@ -100,6 +100,11 @@ def _way_in(path: Path) -> str:
     return f"{path}: no recording of this program, but a table of another one: {inside}; {way} (--layout {LAYOUT})"
 
 
+def is_file_source(path: Path) -> bool:
+    """Return whether a path names a scene or a recording, and not a port; it may be missing."""
+    return path.is_file() or path.is_dir() or path.suffix.lower() in (*KINDS, *FOREIGN)
+
+
 def is_bag(folder: Path) -> bool:
     """Return whether a folder is a ROS 2 bag."""
     return (folder / "metadata.yaml").is_file()

@@ -1,10 +1,16 @@
 """The page of the playground in Chromium: clicks, keys, and the colours of its canvases."""
 
+import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
+
+from tests.kits.studio import FLAGS
 
 LEFT, RIGHT, OVERLAY = 0, 2, 3
 """Canvases of the view: the input, the state, and the overlay of the state."""
@@ -25,13 +31,13 @@ class Browser:
             assert time.monotonic() < end, f"{script} is {found}, {wanted} wanted; {self.console}"
             time.sleep(0.02)
 
-    def pixels(self, number: int) -> Any:
+    def pixels(self, number: int, canvases: str = ".cw-pane canvas") -> Any:
         """Return the colours (rows, cols, 4) of a canvas."""
-        script = """n => { const c = document.querySelectorAll('.cw-pane canvas')[n];
+        script = """([n, canvases]) => { const c = document.querySelectorAll(canvases)[n];
             const copy = new OffscreenCanvas(c.width, c.height).getContext('2d', {willReadFrequently: true});
             copy.drawImage(c, 0, 0);
             return [c.height, c.width, [...copy.getImageData(0, 0, c.width, c.height).data]] }"""
-        rows, cols, data = self.page.evaluate(script, number)
+        rows, cols, data = self.page.evaluate(script, [number, canvases])
         return np.array(data, np.uint8).reshape(rows, cols, 4)
 
     def at(self, number: int, row: float, col: float) -> tuple[float, float]:
@@ -82,6 +88,24 @@ class Browser:
         self.page.select_option("[name=speed]", "10")
         self.page.click("[name=play]")
         self.until("document.querySelector('.cw-status').textContent.startsWith('at rest')")
+
+
+@contextmanager
+def opened(address: str, profile: Path, colours: str = "light") -> Iterator[Browser]:
+    """Open a page in Chromium; skip where it is absent."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="needs playwright")
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        pytest.skip("needs Chromium: apt-get install chromium")
+    with sync_api.sync_playwright() as play:
+        context = play.chromium.launch_persistent_context(
+            profile, executable_path=chromium, args=FLAGS, viewport={"width": 1024, "height": 700}, color_scheme=colours
+        )
+        context.set_default_timeout(8000)
+        one = Browser(context.pages[0], address)
+        one.page.goto(address)
+        yield one
+        context.close()
 
 
 EMPTY = "template=hole-filler&size=16x16&picture=white&seed=0"

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -28,13 +29,13 @@ def ask(session: Session, do: str, *buffers: bytes, **content: Any) -> Message:
 
 
 @contextmanager
-def serving(make_model: Callable[[], Any], host: str = "127.0.0.1") -> Iterator[str]:
-    """Serve in a thread and yield the address with the token."""
+def serving(make_model: Callable[[], Any], host: str = "127.0.0.1", page: Path | None = None) -> Iterator[str]:
+    """Serve in a thread and yield the address with the token; ``page`` is the playground's if not given."""
     pytest.importorskip("uvicorn", reason="needs the extra studio")
     from cnnsim.studio import PAGE
     from cnnsim.studio.server import make_server
 
-    server, listening, address = make_server(make_model, PAGE, host, 0)
+    server, listening, address = make_server(make_model, page or PAGE, host, 0)
     thread = threading.Thread(target=lambda: server.run(sockets=[listening]), daemon=True)
     thread.start()
     until = time.monotonic() + 20

@@ -29,6 +29,7 @@ SKIPPED = {  # by how a line begins
     "make ": "the makefile itself, which runs these tests; its targets are looked for below",
     "pip install": "no network; the extras are compared with pyproject.toml below",
     "cnnsim studio": "serves until Ctrl-C; tests/cnnsim/studio starts it",
+    "tactile studio": "the same; tests/tactile/studio starts it",
     "CNNSIM_DEVICE=1": "a second device, which few machines have",
 }
 OPTIONAL = {"walk.mp4": "av", "cnnsim devices": "pyopencl", "tactile ports": "serial", ".parquet": "pyarrow",

@@ -9,6 +9,7 @@ export class ExplorePanel {
   /** @param {HTMLElement} host @param {import("./view.js").View} view */
   constructor(host, view) {
     this.view = view;
+    this.busy = false;
     this.sigma = h("input", { type: "range", name: "sigma", min: 0, max: 0.3, step: 0.005, value: 0.05, oninput: () => this.label() });
     this.size = h("output");
     this.count = h("input", { type: "number", name: "chips", min: 1, max: 1000, value: 20 });
@@ -21,7 +22,6 @@ export class ExplorePanel {
       h("label", { class: "setting" }, h("span", {}, "chips"), this.count, this.start), this.result,
       h("h3", {}, "Accuracy against time"), this.accuracy, this.said, this.chart);
     this.label();
-    this.busy = false;
   }
 
   label() {

@@ -67,14 +67,13 @@ def closing(
     session: "Session", as_json: bool, monitor: Any = None, publisher: "Publisher | None" = None
 ) -> Iterator[None]:
     """Close port, recording and publisher in any case, and print the counters, also those of a ``monitor``."""
-    recording = session.recording
     try:
         yield
     finally:
         session.close()
-        counts, clock = session.counts, session.source.clock.plain()
-        settled, unplugged = session.source.decoder.settled(), session.reader.unplugged
-        summary: dict[str, Any] = {"counts": counts.plain(), "clock": clock, "settled": settled, "unplugged": unplugged}
+        recording, summary = session.recording, session.summary()
+        counts, clock = session.counts, summary["clock"]
+        settled, unplugged = summary["settled"], summary["unplugged"]
         if monitor is not None:
             summary["latency"] = {name: value for name, value in monitor.status().items() if name.startswith("latency")}
         if publisher is not None:

@@ -102,6 +102,15 @@ def tare_line(note: TareNote, finger: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def status_words(status: dict[str, Any]) -> tuple[str, str]:
+    """Return the rate, latency and clock of a status, and its counters, as text."""
+    lost = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in status["counts"].items())
+    median, most = ((status[f"latency_{name}_s"] or 0.0) * 1e3 for name in ("median", "p99"))
+    clock = status["clock"]["residual_median_s"]
+    line = "" if clock is None else f"; device clock {status['clock']['drift_ppm']:+.0f} ppm, off {clock * 1e3:.2f} ms"
+    return f"{status['rate_hz']:.0f} frames/s; latency {median:.2f} ms, 99 % {most:.2f} ms{line}", lost
+
+
 class LiveMonitor:
     """The sink of a live run or a replay: passes lines of plain data on, and keeps the state of the view.
 

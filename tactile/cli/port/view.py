@@ -10,7 +10,7 @@ from rich.text import Text
 
 from cnnsim.support.terminal import printable
 from tactile.cli.port.console import tare_words
-from tactile.cli.port.live import LiveMonitor
+from tactile.cli.port.live import LiveMonitor, status_words
 from tactile.core.frame import NORMAL
 from tactile.pipeline import FrameReport
 from tactile.thresholds.threshold import CONTACT
@@ -40,18 +40,12 @@ class LiveView:
         )
 
     def _figures(self) -> str:
-        status = self._monitor.status()
-        lost = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in status["counts"].items())
-        median, most = ((status[f"latency_{name}_s"] or 0.0) * 1e3 for name in ("median", "p99"))
-        clock = status["clock"]["residual_median_s"]
-        line = (
-            "" if clock is None else f"; device clock {status['clock']['drift_ppm']:+.0f} ppm, off {clock * 1e3:.2f} ms"
-        )
+        rate, lost = status_words(self._monitor.status())
         tares = "".join(
             f"\ntare of {finger} at {last['t_s']:.3f} s: {tare_words(last)}"
             for finger, last in self._monitor.tared.items()
         )
-        return f"{status['rate_hz']:.0f} frames/s; latency {median:.2f} ms, 99 % {most:.2f} ms{line}\n{lost}{tares}"
+        return f"{rate}\n{lost}{tares}"
 
 
 def _shown(text: str) -> Text:
