@@ -7,19 +7,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cnnsim.studio.colours import indices
 from cnnsim.studio.message import Message
 from cnnsim.support import InputError
 from cnnsim.support.errors import not_known, shown
 from cnnsim.support.values import is_number
-from tactile.calibration.tare_check import UNITS
-from tactile.core.frame import TaxelArray
-from tactile.inverse.validity import Validity
 from tactile.output.collected import texture_mean
-from tactile.output.event_data import finite, load_data
 from tactile.output.plot_labels import COLOURS, MINOR, OWN
-from tactile.output.plot_plane import ARROWS, REACH, SURE, round_number
-from tactile.studio.feed import Feed, Kept
+from tactile.output.plot_plane import ARROWS, REACH
+from tactile.studio.feed import Feed
+from tactile.studio.frame_data import array_data, finger_data, recorded_rate, scale_data, span_data
 from tactile.thresholds.choices import ThresholdChoices
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
@@ -85,7 +81,7 @@ class ArrayModel:
         kinds = {kind: colors.to_hex(colour) for kind, colour in COLOURS.items()}
         content = {
             "is": "open", "title": feed.source.title, "live": feed.live, "port": self.link is not None,
-            "arrays": [_array(array) for array in feed.arrays], "kinds": kinds, "own": colors.to_hex(OWN),
+            "arrays": [array_data(array) for array in feed.arrays], "kinds": kinds, "own": colors.to_hex(OWN),
             "minor": MINOR, "arrow": colors.to_hex("tab:blue"), "reach": REACH, "arrows": ARROWS, "span": SPAN,
             "thresholds": {
                 "dead_band": shear.dead_band, "hysteresis": shear.hysteresis, "contact_level": contact.dead_band,
@@ -100,14 +96,14 @@ class ArrayModel:
         """Reply with the newest report of each finger at a time, and the events before it if they have changed."""
         feed, t = self.feed, self._time(message)
         content: dict[str, Any] = {"is": "frame", "over": feed.over, "failure": feed.failure, "full": feed.full}
-        content |= {"status": self.link.status()} if self.link else {"status": _recorded_rate(feed)}
+        content |= {"status": self.link.status()} if self.link else {"status": recorded_rate(feed)}
         if t is None:
             return Message(content | {"fingers": []})
         buffers: list[bytes] = []
-        fingers = [None if row is None else _finger(row, buffers) for row in feed.at(t)]
+        fingers = [None if row is None else finger_data(row, buffers) for row in feed.at(t)]
         content |= {"t": t, "times": feed.times, "fingers": fingers}
-        content["scales"] = {array.quantity: _scale(feed, array) for array in feed.arrays}
-        events = [_event(one) for one in feed.events_between(t - SPAN, t)[-MOST_EVENTS:]]
+        content["scales"] = {array.quantity: scale_data(feed, array) for array in feed.arrays}
+        events = [span_data(one) for one in feed.events_between(t - SPAN, t)[-MOST_EVENTS:]]
         if events != self._sent:
             content["events"] = self._sent = events
         return Message(content, buffers)
@@ -136,14 +132,20 @@ class ArrayModel:
             raise InputError("no frame has come yet; frames wanted")
         chosen = _choices(message.content)
         shear, contact, sigmas = chosen.thresholds()
-        changed = {
-            "shear": shear or settings.shear, "contact": contact or settings.contact,
-            "sigmas": settings.sigmas if chosen.sigmas is None else sigmas,
-        }  # fmt: skip
+        settings = replace(
+            settings, shear=shear or settings.shear, contact=contact or settings.contact,
+            sigmas=settings.sigmas if chosen.sigmas is None else sigmas,
+        )  # fmt: skip
         begin = t - WINDOW
-        found = self.feed.again(replace(settings, **changed), begin, t)
-        now = [one for one in self.feed.events_between(begin, t) if one.t >= begin]
-        content = {"is": "again", "begin": begin, "t": t, "seconds": WINDOW, "events": [_event(one) for one in found]}
+        found = self.feed.again(settings, begin, t)
+        now = [one for one in self.feed.events_between(begin, t) if one.t >= begin and one.told <= t]
+        content = {
+            "is": "again",
+            "begin": begin,
+            "t": t,
+            "seconds": WINDOW,
+            "events": [span_data(one) for one in found],
+        }
         content |= {"count": sum(one.t >= begin for one in found), "now": len(now), "options": _options(chosen)}
         return Message(content)
 
@@ -172,75 +174,19 @@ HANDLERS: Mapping[str, Handler] = {
 """What a page can ask for."""
 
 
-def _array(array: TaxelArray) -> dict[str, Any]:
-    factor, unit = UNITS[array.quantity]
-    return {
-        "name": array.name, "rows": array.rows, "cols": array.cols, "pitch": array.pitch, "depth": array.depth,
-        "origin": array.origin, "quantity": array.quantity, "factor": factor, "unit": unit,
-        "inward": 1 if array.quantity == "force" else -1,
-    }  # fmt: skip
-
-
-def _finger(row: Kept, buffers: list[bytes]) -> dict[str, Any]:
-    """Return a report as plain data; its values (rows, cols, 3) and the planes of programs go to the buffers."""
-    report, code = row.report, row.report.code
-    values = np.where(report.frame.valid[..., None], report.frame.values, np.nan)
-    buffers.append(values.astype(np.float32).tobytes())
-    load, outputs = load_data(report.load), []
-    for program, named in row.outputs.items():
-        for name, value in named.items():
-            plane = np.asarray(value)
-            if plane.ndim == 2:
-                logic = plane.dtype.kind == "b"
-                buffers.append(indices(np.nan_to_num(np.where(plane, 1.0, -1.0) if logic else plane)).tobytes())
-                outputs.append({"program": program, "name": name, "shape": plane.shape})
-            else:
-                outputs.append({"program": program, "name": name, "value": plane.ravel()[:8].tolist()})
-    if load is not None:
-        load["sure"] = report.load.validity in SURE
-    bits = "".join("1" if sign == "+" else "0" for sign in code.ternary())
-    return {
-        "t": row.t, "load": load, "arrows": code.arrows(), "bits": bits, "contact": int(code.contact.sum()),
-        "validity": Validity(report.load.validity).name.lower().replace("_", " "), "outputs": outputs,
-        "friction": finite(texture_mean(report.texture.friction, report.texture.valid)),
-        "roughness": finite(texture_mean(report.texture.roughness, report.texture.valid)),
-    }  # fmt: skip
-
-
-def _scale(feed: Feed, array: TaxelArray) -> dict[str, float]:
-    normal, shear = feed.largest(array.quantity)
-    factor = UNITS[array.quantity][0]
-    return {"normal": normal, "shear": shear, "key": round_number(shear * factor) / factor}
-
-
-def _event(event: Any) -> dict[str, Any]:
-    return {"t": event.t, "end": event.end, "finger": event.finger, "kind": event.kind, "words": event.words}
-
-
-def _recorded_rate(feed: Feed) -> dict[str, Any]:
-    rates = [
-        (len(rows) - 1) / (rows[-1].t - rows[0].t) for rows in feed.rows if len(rows) > 1 and rows[-1].t > rows[0].t
-    ]
-    counts = getattr(feed.source, "counts", None)
-    return {"rate": f"{sum(rates):.0f} frames/s", "losses": "" if counts is None else str(counts), "state": "",
-            "recording": "", "warning": ""}  # fmt: skip
-
-
 def _choices(content: Mapping[str, Any]) -> ThresholdChoices:
     """Return the thresholds of a message.
 
     Raises:
         InputError: a value that is no number.
     """
-    names = ("dead_band", "hysteresis", "contact_level")
-    found = {name: content.get(name) for name in names}
+    dead_band, hysteresis, contact = (content.get(name) for name in ("dead_band", "hysteresis", "contact_level"))
     sigmas = content.get("sigmas")
-    values = [one for one in found.values() if one is not None] + (sigmas if isinstance(sigmas, list) else [])
-    if not all(is_number(one) for one in values) or not (
-        sigmas is None or (isinstance(sigmas, list) and len(sigmas) == 3)
-    ):
+    three: list[Any] = sigmas if isinstance(sigmas, list) and len(sigmas) == 3 else []
+    values = [one for one in (dead_band, hysteresis, contact, *three) if one is not None]
+    if not all(map(is_number, values)) or not (three or sigmas is None):
         raise InputError("a threshold that is no number; dead_band, hysteresis, contact_level and three sigmas wanted")
-    return ThresholdChoices(**found, sigmas=None if sigmas is None else tuple(sigmas))
+    return ThresholdChoices(dead_band, hysteresis, contact, None if sigmas is None else tuple(sigmas))
 
 
 def _options(chosen: ThresholdChoices) -> str:

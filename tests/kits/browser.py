@@ -2,6 +2,7 @@
 
 import shutil
 import time
+from base64 import b64decode
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -36,9 +37,12 @@ class Browser:
         script = """([n, canvases]) => { const c = document.querySelectorAll(canvases)[n];
             const copy = new OffscreenCanvas(c.width, c.height).getContext('2d', {willReadFrequently: true});
             copy.drawImage(c, 0, 0);
-            return [c.height, c.width, [...copy.getImageData(0, 0, c.width, c.height).data]] }"""
+            const data = copy.getImageData(0, 0, c.width, c.height).data;
+            let text = '';
+            for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+            return [c.height, c.width, btoa(text)] }"""
         rows, cols, data = self.page.evaluate(script, [number, canvases])
-        return np.array(data, np.uint8).reshape(rows, cols, 4)
+        return np.frombuffer(b64decode(data), np.uint8).reshape(rows, cols, 4)
 
     def at(self, number: int, row: float, col: float) -> tuple[float, float]:
         """Return where the middle of a cell of a canvas is on the screen."""

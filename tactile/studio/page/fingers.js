@@ -7,6 +7,9 @@ import { h, paint } from "./base.js";
 /** Digits for people. @param {number} value @param {number} [digits] */
 export const short = (value, digits = 3) => String(Number(value.toPrecision(digits)));
 
+/** Newtons for people. @param {number} value */
+const newtons = (value) => `${Math.abs(value) < 5e-4 ? 0 : short(value, 2)} N`;
+
 /** An arrow from its middle. @param {CanvasRenderingContext2D} c @param {number} x @param {number} y @param {number} dx @param {number} dy */
 function arrow(c, x, y, dx, dy) {
   const length = Math.hypot(dx, dy), head = Math.min(length, Math.max(5, length * 0.3));
@@ -30,6 +33,13 @@ export function fitted(canvas, width, height) {
   [canvas.style.width, canvas.style.height] = [`${width}px`, `${height}px`];
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   return context;
+}
+
+/** A load in words. @param {Content} now */
+function words({ load, validity }) {
+  const others = load.others.map((/** @type {Content} */ one) => ` and ${newtons(one.F)}`).join("");
+  const place = load.x === null ? "" : ` at (${(load.x * 1e3).toFixed(2)}, ${(load.y * 1e3).toFixed(2)}) mm`;
+  return `${newtons(load.F)}${others}${place}; shear ${newtons(Math.hypot(load.Q ?? 0, load.R ?? 0))}; ${validity}`;
 }
 
 export class Fingers {
@@ -66,7 +76,7 @@ export class Fingers {
       this.draw(context, card, values, frame.scales[card.array.quantity], pitch, now);
       card.arrows.textContent = now.arrows.replaceAll(" ", "\n");
       card.bits.textContent = now.bits.match(new RegExp(`.{${2 * card.array.cols}}`, "g")).map((/** @type {string} */ row) => row.match(/../g)?.join(" ")).join("\n");
-      card.load.textContent = now.load ? `${short(now.load.F, 2)} N${now.load.others.length ? ` and ${now.load.others.map((/** @type {Content} */ o) => short(o.F)).join(", ")} N` : ""} at (${(now.load.x * 1e3).toFixed(2)}, ${(now.load.y * 1e3).toFixed(2)}) mm; shear ${short(Math.hypot(now.load.Q ?? 0, now.load.R ?? 0), 2)} N; ${now.validity}` : now.validity;
+      card.load.textContent = now.load ? words(now) : now.validity;
       card.load.title = card.load.textContent;
       next = this.programs(card, now.outputs, buffers, next);
     });
@@ -136,8 +146,6 @@ export class Fingers {
   load(c, load, sure, [x, y]) {
     if (!Number.isFinite(x + y) || load.x === null) return;
     c.save();
-    c.lineWidth = 2.5;
-    c.strokeStyle = sure ? "#fff" : "#777";
     c.fillStyle = "#d55e00";
     c.beginPath();
     if (sure) {
@@ -147,13 +155,16 @@ export class Fingers {
       c.moveTo(x - 6, y - 6 * s);
       c.lineTo(x + 6, y + 6 * s);
     }
-    c.stroke();
+    for (const [colour, width] of /** @type {[string, number][]} */ (sure ? [["#fff", 2.5]] : [["#fff", 5], ["#777", 2.5]])) {
+      [c.strokeStyle, c.lineWidth] = [colour, width];
+      c.stroke();
+    }
     c.font = "600 12px system-ui";
     c.strokeStyle = "#fff";
     c.fillStyle = "#1b1f24";
     c.lineWidth = 3;
-    c.strokeText(`${short(load.F, 2)} N`, x + 10, y + 4);
-    c.fillText(`${short(load.F, 2)} N`, x + 10, y + 4);
+    c.strokeText(newtons(load.F), x + 10, y + 4);
+    c.fillText(newtons(load.F), x + 10, y + 4);
     c.restore();
   }
 

@@ -82,7 +82,7 @@ async function curves() {
   [1, 2, 3].forEach((k) => {
     const data = uPlot.join(tables.map((table) => [table[0], table[k]]));
     const x = { time: false, range: [from(), from() + known.span] };
-    plot(find("charts").children[k - 1].lastChild, names, data, { height: k === 1 ? 92 : 114, legend: { show: k === 1 && names.length > 2, live: false }, scales: { x }, series: names.slice(1).map(() => ({ spanGaps: tables.length > 1, width: 1.5 })) });
+    plot(find("charts").children[k - 1].lastChild, names, data, { height: k === 1 && names.length > 2 ? 84 : 106, axes: [{}, { space: 15 }], legend: { show: k === 1 && names.length > 2, live: false }, scales: { x }, series: names.slice(1).map(() => ({ spanGaps: tables.length > 1, width: 1.5 })) });
   });
 }
 

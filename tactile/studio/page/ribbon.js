@@ -5,7 +5,7 @@ import { fitted } from "./fingers.js";
 
 /** @typedef {import("./base.js").Content} Content */
 
-const LANE = 15, NAMES = 52;
+const LANE = 14, NAMES = 52;
 
 /** Whether black is read better than white on a colour. @param {string} hex */
 const light = (hex) => [1, 3, 5].reduce((sum, at, k) => sum + [0.299, 0.587, 0.114][k] * parseInt(hex.slice(at, at + 2), 16), 0) > 140;

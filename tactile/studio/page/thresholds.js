@@ -5,6 +5,9 @@ import { short } from "./fingers.js";
 
 /** @typedef {import("./base.js").Content} Content */
 
+/** The largest level of a slider over that of the run. */
+const RANGE = 40;
+
 export class Thresholds {
   /** @param {HTMLElement} host @param {Content} known @param {(chosen: Content) => void} changed */
   constructor(host, known, changed) {
@@ -16,22 +19,23 @@ export class Thresholds {
     this.options = h("code", { id: "options" });
     /** @type {[any, any, (value: number) => string, number][]} */
     this.fields = [];
-    const slider = (/** @type {string} */ label, /** @type {string} */ id, /** @type {number} */ value, /** @type {number} */ most, /** @type {(value: number) => string} */ text, /** @type {(value: number) => void} */ act) => {
-      const output = h("output", {}), input = h("input", { type: "range", id, min: 0, max: most, step: "any", value, oninput: () => {
+    const slider = (/** @type {string} */ label, /** @type {string} */ id, /** @type {number} */ at, /** @type {number} */ most, /** @type {(at: number) => string} */ text, /** @type {(at: number) => void} */ act) => {
+      const output = h("output", {}, text(at)), input = h("input", { type: "range", id, min: 0, max: most, step: most / 100, value: at, oninput: () => {
         output.textContent = text(Number(input.value));
         act(Number(input.value));
         this.changed(this.chosen);
       } });
-      input.step = most / 100;
-      input.value = value;
-      output.textContent = text(value);
-      this.fields.push([input, output, text, value]);
+      input.value = at;
+      this.fields.push([input, output, text, at]);
       return h("label", { class: "setting" }, h("span", {}, label), input, output);
     };
-    const level = (/** @type {string} */ label, /** @type {string} */ name) => slider(label, name, thresholds[name], 10 * thresholds[name] || 1, (v) => `${short(v * factor)} ${unit}`, (value) => {
-      this.chosen[name] = value;
-      if (name !== "contact_level") for (const other of ["dead_band", "hysteresis"]) this.chosen[other] ??= thresholds[other]; // a pair of the command line
-    });
+    const level = (/** @type {string} */ label, /** @type {string} */ name) => {
+      const most = RANGE * thresholds[name] || 1, value = (/** @type {number} */ at) => Number((most * at * at).toPrecision(3)); // fine steps near 0
+      return slider(label, name, Math.sqrt(thresholds[name] / most), 1, (at) => `${short(value(at) * factor)} ${unit}`, (at) => {
+        this.chosen[name] = value(at);
+        if (name !== "contact_level") for (const other of ["dead_band", "hysteresis"]) this.chosen[other] ??= thresholds[other]; // a pair of the command line
+      });
+    };
     const sigma = (/** @type {string} */ label, /** @type {number} */ k) => slider(label, `sigma-${k}`, thresholds.sigmas[k], 20, (v) => `${short(v, 2)} σ`, (value) => {
       this.chosen.sigmas = Object.assign([...(this.chosen.sigmas || thresholds.sigmas)], { [k]: value });
     });

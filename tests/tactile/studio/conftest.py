@@ -63,6 +63,6 @@ def browser(known: Known, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
         serving(lambda: ArrayModel(known.feed), page=PAGE) as address,
         opened(address, tmp_path_factory.mktemp("profile")) as one,
     ):
-        one.until("document.querySelectorAll('.finger').length", 2)
+        one.until("Number(document.body.dataset.t) > 0")
         yield one
         assert not one.console

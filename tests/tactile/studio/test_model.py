@@ -88,20 +88,25 @@ def test_curves_are_the_figures_over_time(known: Known) -> None:
         assert np.array_equal(found, wanted, equal_nan=True)
 
 
-def test_the_same_thresholds_make_the_same_events_again(known: Known) -> None:
-    found = ask(ArrayModel(known.feed), "thresholds", t=T).content
-    assert named(found["events"]) == named(known.feed.events_between(T - 5, T))
-    assert found["count"] == found["now"] == len(found["events"]) > 10
+@pytest.mark.parametrize("t", [T, 5.5])
+def test_the_same_thresholds_make_the_same_events_again(t: float, known: Known) -> None:
+    found = ask(ArrayModel(known.feed), "thresholds", t=t).content
+    assert named(found["events"]) == named([one for one in known.feed.events_between(t - 5, t) if one.told <= t])
+    assert found["count"] == found["now"] > 10
 
 
 def test_other_thresholds_make_the_events_of_a_run_with_them(known: Known) -> None:
-    found = ask(ArrayModel(known.feed), "thresholds", t=99.0, dead_band=0.02, hysteresis=0.01).content
+    found = ask(ArrayModel(known.feed), "thresholds", t=99.0, dead_band=0.02, contact_level=0.02).content
     events: list[Any] = []
-    run(open_source(GRIP), Settings(shear=Threshold(0.02, 0.01)), [lambda report: events.extend(report.events)])
+    run(
+        open_source(GRIP),
+        Settings(Threshold(0.02, 0.01), Threshold(0.02, 0.01)),
+        [lambda report: events.extend(report.events)],
+    )
     wanted = [event for event in events if event.t >= found["begin"]]
     assert named([one for one in found["events"] if one["t"] >= found["begin"]]) == named(wanted)
     assert found["count"] == len(wanted) < found["now"]
-    assert found["options"] == "--dead-band 0.02 --hysteresis 0.01"
+    assert found["options"] == "--dead-band 0.02 --contact-level 0.02"
     nothing = ask(ArrayModel(known.feed), "thresholds", t=99.0, contact_level=10.0, sigmas=[4, 6, 3]).content
     assert nothing["count"] == 0
     assert nothing["options"] == "--contact-level 10 --sigmas 4 6 3"
