@@ -1,5 +1,7 @@
 """run_transient: runs the transient of a template on a backend; trajectory: its outputs over time."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -33,7 +35,7 @@ def run_transient(
     dtype: Dtype | None = None,
     threads: int | None = None,
     record: Record | None = None,
-    engine: "str | Engine | None" = None,
+    engine: str | Engine | None = None,
     store: str | Path | None = None,
     **choices: Unpack[TaskOptions],
 ) -> Result:

@@ -2,16 +2,14 @@
 
 from pathlib import Path
 
-from tactile import EventLog, Settings, open_source, run
+import tactile
 
 SCENE = Path(__file__).parent / "scenes" / "grip.toml"
 
 
 def main() -> None:
     """Print the events of the left finger and see how far the object slipped."""
-    log = EventLog()
-    run(open_source(SCENE), Settings(), [lambda report: log.add(report.events, report.ended)])
-    left = [event for event in log.events if event.finger == "left"]
+    left = [event for event in tactile.run(SCENE).events if event.finger == "left"]
     for event in left:
         print(f"{event.t:5.2f} s  {event.arrows}  {event.words}")
     kinds = [event.kind for event in left]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tactile import FrameReport, Indenter, MovingContact, Scene, Settings, TaxelArray, make_effect, run
+from tactile import Indenter, MovingContact, Scene, TaxelArray, make_effect, run
 
 
 def main() -> None:
@@ -12,14 +12,9 @@ def main() -> None:
     ball = MovingContact(0, Indenter("sphere", radius=2e-3), path)
     noise = make_effect("read_noise", rms=1e-4)
     scene = Scene("a ball", rate=200, duration=0.5, modulus=2.4e6, arrays=[pad], contacts=[ball], effects=[noise])
-    errors: list[float] = []
-
-    def compare(report: FrameReport) -> None:
-        if report.load is not None and report.frame.t >= 0.4:
-            x, y, *_ = scene.loads_at(0, np.array([report.frame.t]))[0, 0]
-            errors.append(float(np.hypot(report.load.x - x, report.load.y - y)))
-
-    run(scene, Settings(), [compare])
+    loads = run(scene).loads["pad"]
+    true = scene.loads_at(0, loads.t)[:, 0]  # x, y, Q, R, F of each frame
+    errors = np.hypot(loads.x - true[:, 0], loads.y - true[:, 1])[loads.t >= 0.4]
     print(f"{scene}: off by {np.median(errors) * 1e6:.2g} um")
     assert np.median(errors) < 5e-5  # [m]
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tactile import Frame, Settings, TaxelArray, run
+from tactile import Frame, TaxelArray, run
 
 
 class Push:
@@ -19,10 +19,9 @@ class Push:
 
 def main() -> None:
     """Print what happened."""
-    found: list[tuple[float, str]] = []
-    run(Push(), Settings(), [lambda one: found.extend((event.t, event.words) for event in one.events)])
-    print(found)
-    assert 0.09 <= found[0][0] <= 0.1 and found[-1][1] == "tangential load +x"
+    events = run(Push()).events
+    print(events)
+    assert 0.09 <= events[0].t <= 0.1 and events[-1].words == "tangential load +x"
 
 
 if __name__ == "__main__":

@@ -3,14 +3,15 @@
 from dataclasses import replace
 from pathlib import Path
 
-from tactile import Scene, Settings, open_source, run
+import numpy as np
+
+from tactile import Scene, open_source, run
 
 
 def error(scene: Scene) -> float:
     """Return the largest error [N] of the located force, which is 20 mN."""
-    errors: list[float] = []
-    run(scene, Settings(), [lambda report: errors.append(abs(report.load.F - 0.02) if report.load else 0.0)])
-    return max(errors)
+    (loads,) = run(scene).loads.values()
+    return float(np.nanmax(np.abs(loads.F - 0.02)))
 
 
 def main() -> None:

@@ -1,14 +1,16 @@
 """The tactile layer: frames of three-axial taxel arrays in; events, located loads and texture figures out.
 
-from tactile import Settings, open_source, run
-run(open_source("grip.toml"), Settings(), [lambda report: print(*(event.words for event in report.events))])
+import tactile
+result = tactile.run("grip.toml")
+print(result.events)
+result.plot()
 """
 
 __all__ = [
-    "Calibration", "DetectorFile", "Event", "EventLog", "EventRule", "Frame", "FrameReport", "Indenter", "InputError",
-    "Load", "MovingContact", "MovingLoad", "Scene", "Settings", "Sink", "SlidingTexture", "Source", "Stream",
-    "StreamFrame", "TaxelArray", "Threshold", "Validity", "__version__", "load_calibration", "make_effect",
-    "open_source", "read_detector", "run", "stream", "warm_up",
+    "Calibration", "DetectorFile", "Event", "EventRule", "EventTable", "Frame", "Indenter", "InputError", "Load",
+    "MovingContact", "MovingLoad", "Scene", "Settings", "SlidingTexture", "Source", "Stream", "StreamFrame",
+    "TaxelArray", "Threshold", "TouchResult", "Validity", "__version__", "load_calibration", "make_effect",
+    "open_source", "read_detector", "run", "stream",
 ]  # fmt: skip
 
 from cnnsim import __version__
@@ -20,11 +22,11 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from tactile.core.frame import Frame, TaxelArray
     from tactile.core.source import Source
     from tactile.events.detector_file import DetectorFile, EventRule, read_detector
-    from tactile.events.event import Event, EventLog
+    from tactile.events.event import Event
     from tactile.inverse.load import Load
     from tactile.inverse.validity import Validity
     from tactile.output.stream_frame import StreamFrame
-    from tactile.pipeline import FrameReport, Sink, run, warm_up
+    from tactile.results import EventTable, TouchResult, run
     from tactile.settings import Settings
     from tactile.simulator.contacts.indenter import Indenter
     from tactile.simulator.contacts.moving_contact import MovingContact

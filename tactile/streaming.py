@@ -1,5 +1,7 @@
 """Streams of frames for control loops: a port or a file in, tared frames with events out, as they come."""
 
+from __future__ import annotations
+
 import asyncio
 from collections.abc import AsyncIterator, Iterator
 from dataclasses import replace
@@ -34,7 +36,7 @@ class Stream:
 
     def __init__(
         self, reports: Iterator[FrameReport], arrays: tuple[TaxelArray, ...], convert: StreamFrames,
-        session: "Session | None" = None,
+        session: Session | None = None,
     ) -> None:  # fmt: skip
         self.arrays = arrays
         self._session, self._closed = session, False
@@ -75,7 +77,7 @@ class Stream:
 
 
 def stream(
-    port_or_file: str | Path, array: "str | Path | Description | None" = None, settings: Settings | None = None,
+    port_or_file: str | Path, array: str | Path | Description | None = None, settings: Settings | None = None,
     *, friction: float = FRICTION, seconds: float | None = None,
 ) -> Stream:  # fmt: skip
     """Return the frames of a serial port, or of a scene or recording, as a control loop wants them.
@@ -115,7 +117,7 @@ def stream(
 
 
 def _of_file(
-    path: Path, array: "str | Path | Description | None", settings: Settings | None, friction: float
+    path: Path, array: str | Path | Description | None, settings: Settings | None, friction: float
 ) -> Stream:  # fmt: skip
     from tactile.cli.opened import RunChoices, open_for_run  # slow to import
 
@@ -135,7 +137,7 @@ def _has_layout(array: Path) -> bool:
     return array.is_file() and "layout" in read_toml(array, "array description")
 
 
-def _described(array: "str | Path | Description") -> "Description":
+def _described(array: str | Path | Description) -> Description:
     from tactile.wire.description import Description  # NumPy is slow to import
     from tactile.wire.description_file import default_description, read_description  # the same
     from tactile.wire.registry import NAMES  # the same

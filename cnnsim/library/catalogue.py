@@ -1,5 +1,7 @@
 """Catalogue of the library: templates by name, and runs of them as their files specify."""
 
+from __future__ import annotations
+
 from functools import cache
 from pathlib import Path
 from typing import Any, Unpack

@@ -23,7 +23,7 @@ COUNTED = ("cpu", "opencl")
 """The backends whose memory is counted; the reference backend is for small grids."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Explanation:
     """A ``plan`` with its decisions, and the ``guaranteed`` running time; ``str`` has a line for each.
 
@@ -68,7 +68,7 @@ class Explanation:
         growth = [("growth", self.growth)] if self.growth else []
         return [*self.plan.decisions, *growth, ("memory", self.memory), ("guaranteed time", str(self.guaranteed))]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return lines_of(self.lines)
 
 

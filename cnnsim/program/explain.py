@@ -1,5 +1,7 @@
 """explain: the plan of a template, or of each template step of a program, on a grid; nothing is computed."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Unpack, overload
 
@@ -43,14 +45,14 @@ class ExplainedStep:
         return self.plan.decisions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ProgramExplanation:
     """The ``steps`` of a program that run a template; ``str`` has a line for each decision of theirs."""
 
     program: str
     steps: tuple[ExplainedStep, ...]
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         if not self.steps:
             return f"{self.program} runs no template: all of its steps are cellwise or logic"
         heads = [f"step {step.number}: {step.words}" for step in self.steps]

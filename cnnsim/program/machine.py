@@ -1,5 +1,7 @@
 """UniversalMachine runs analogic programs on one backend and keeps their planes; run_program runs one once."""
 
+from __future__ import annotations
+
 import math
 from difflib import get_close_matches
 from pathlib import Path
@@ -13,6 +15,7 @@ from cnnsim.program.block_cache import BlockCache, TemplateCache
 from cnnsim.program.execution import Execution, filled
 from cnnsim.program.file import load_program
 from cnnsim.program.inputs import check_inputs, check_planes_fit, check_values, parameters_meant
+from cnnsim.program.outputs import ProgramOutputs
 from cnnsim.program.program import Program
 from cnnsim.support import Array, InputError
 from cnnsim.support.keywords import spelled, unknown_keyword
@@ -44,7 +47,7 @@ class UniversalMachine:
     @spelled()
     def __init__(
         self, backend: str | Backend = "cpu", dtype: Dtype | None = None, *, threads: int | None = None,
-        engine: "str | Engine | None" = None, store: str | Path | None = None,
+        engine: str | Engine | None = None, store: str | Path | None = None,
     ) -> None:  # fmt: skip
         self.backend = backends.chosen(backend, dtype, threads)
         self._kept: dict[Program, Kept] = {}
@@ -137,9 +140,9 @@ def _check_program(program: object) -> None:
 
 def run_program(
     program: Program | str | Path, /, *, backend: str | Backend = "cpu", dtype: Dtype | None = None,
-    threads: int | None = None, engine: "str | Engine | None" = None, store: str | Path | None = None,
+    threads: int | None = None, engine: str | Engine | None = None, store: str | Path | None = None,
     **planes: ArrayLike,
-) -> dict[str, Any]:  # fmt: skip
+) -> ProgramOutputs:  # fmt: skip
     """Run a program once and return its outputs: arrays (rows, cols), logic planes as booleans; numbers from wires.
 
     Arguments: ``program`` a name of the library, a file or a loaded `Program`; ``planes`` its inputs (rows, cols) by
@@ -162,4 +165,4 @@ def run_program(
         raise unknown_keyword("run_program", unknown, [*known, *loaded.inputs])
     check_values(loaded, planes, stored=engine is not None or store is not None)
     machine = UniversalMachine(backend, dtype, threads=threads, engine=engine, store=store)
-    return machine.run(loaded, **planes)
+    return ProgramOutputs(machine.run(loaded, **planes))

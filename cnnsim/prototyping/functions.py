@@ -1,5 +1,7 @@
 """Prototyping from Python: design a template, measure its robustness and its accuracy, trace its transient."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
@@ -110,7 +112,7 @@ class WorkPrecision:
         """Return a dictionary of each run: backend, dtype, scheme, step, error, signs, evaluations, seconds."""
         return [asdict(row) for row in self.rows]
 
-    def plot(self, axes: "Axes | None" = None, against: str = "seconds") -> "Axes":
+    def plot(self, axes: Axes | None = None, against: str = "seconds") -> Axes:
         """Draw the error against ``against``, "seconds" or "evaluations"; return the axes."""
         from cnnsim.plot.figures import given_or_new  # slow to import
         from cnnsim.prototyping.accuracy.plot import draw

@@ -32,8 +32,8 @@ def install_line(extra: str) -> str:
     return "pip install " + " ".join(map(quote, wanted))
 
 
-def need(module: str, what: str, extra: str = "serial") -> ModuleType:
-    """Import a module that ``what`` needs.
+def need(module: str, what: str, extra: str | None = "serial") -> ModuleType:
+    """Import a module that ``what`` needs; ``extra`` is None for a library of no extra.
 
     Raises:
         InputError: a library of the extra is not installed.
@@ -41,7 +41,8 @@ def need(module: str, what: str, extra: str = "serial") -> ModuleType:
     try:
         return importlib.import_module(module)
     except ModuleNotFoundError as error:
-        raise InputError(f"{what} needs {error.name}, which is not installed: {install_line(extra)}") from error
+        line = f"pip install {error.name}" if extra is None else install_line(extra)
+        raise InputError(f"{what} needs {error.name}, which is not installed: {line}") from error
 
 
 def _from(place: Path, extra: str, *, editable: bool) -> str:

@@ -1,5 +1,7 @@
 """CNN values from arrays: black is +1, white is -1, a grey level g of 0..255 is 1 - 2 g / 255; array types."""
 
+from __future__ import annotations
+
 import warnings
 from numbers import Integral
 from pathlib import Path

@@ -51,14 +51,22 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
     Raises:
         InputError: it cannot be opened, its readings have no unit, or the choices do not fit it.
     """
-    source = open_source(path, choices.layout)
+    return for_run(open_source(path, choices.layout), choices, str(path))
+
+
+def for_run(source: Source, choices: RunChoices, name: str) -> Opened:
+    """Return a source with its settings; ``name`` is that of its file in messages.
+
+    Raises:
+        InputError: its readings have no unit, or the choices do not fit it.
+    """
     known = provenance(source)
     if known.uncalibrated and choices.calibration is None and choices.gains is None:
         raise InputError(
-            f"{path}: finger {known.uncalibrated[0]!r}: readings in the unit of the wire, which is no quantity;"
+            f"{name}: finger {known.uncalibrated[0]!r}: readings in the unit of the wire, which is no quantity;"
             " --gains SHEAR,NORMAL or --calibration FILE wanted"
         )
-    lived = _recorded(known.choices, path)
+    lived = _recorded(known.choices, name)
     mode = choices.tare if choices.tare is not None else lived.tare if lived else ("auto" if known.untared else "off")
     skin = lived.skin if lived else None
     if choices.calibration is not None:
@@ -74,13 +82,13 @@ def open_for_run(path: Path, choices: RunChoices) -> Opened:
     return Opened(source, settings, mode, notes, forces)
 
 
-def _recorded(choices: str, source: Path) -> "LiveOptions | None":
+def _recorded(choices: str, name: str) -> "LiveOptions | None":
     """Return the options of the live run that recorded a source, None for other sources."""
     if not choices:
         return None
     from tactile.cli.port.live import recorded_options  # imported when used
 
-    return recorded_options(choices, str(source))
+    return recorded_options(choices, name)
 
 
 def gains_of(text: str | None) -> Gains | None:

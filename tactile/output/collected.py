@@ -41,6 +41,15 @@ class Columns(NamedTuple):
     roughness: Floats
 
 
+class ProgramOutput(NamedTuple):
+    """Changed outputs of a user's program: time [s], finger, name of the program, planes or numbers by name."""
+
+    t: float
+    finger: str
+    program: str
+    outputs: dict[str, Any]
+
+
 def total(report: FrameReport, axis: int) -> float:
     """Return one component summed over the valid taxels, in the unit of the quantity; NaN without any."""
     valid = report.frame.valid
@@ -60,7 +69,7 @@ class Collected:
         self._errors: dict[str, list[tuple[float, float]]] = {}
         self._log = EventLog()
         self.notes: list[TareNote] = []
-        self.outputs: list[tuple[float, str, str, dict[str, Any]]] = []
+        self.outputs: list[ProgramOutput] = []
         self.strongest: dict[str, Floats] = {}
         self._sums: dict[str, float] = {}
         self.dead_bands: dict[str, float] = {}
@@ -78,7 +87,8 @@ class Collected:
         self.notes += report.tares
         if any(note.notice and note.offset is not None for note in report.tares):
             self._moved.add(report.array.name)
-        self.outputs += [(report.frame.t, report.array.name, name, dict(out)) for name, out in report.outputs.items()]
+        where = report.frame.t, report.array.name
+        self.outputs += [ProgramOutput(*where, name, dict(out)) for name, out in report.outputs.items()]
         if report.tare is not None:
             self._tares[report.array.name] = report.tare
         load, texture = report.load, report.texture

@@ -1,142 +1,227 @@
-"""Plot of the taxel plane: positions of the load, or the forces of the strongest frame, with scales."""
+"""Taxel planes of a run: positions of the load, or the strongest frame, on shared scales of colours and arrows."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cnnsim.support import Floats
+from tactile.calibration.tare_check import UNITS
 from tactile.core.frame import NORMAL, TaxelArray
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Columns
-from tactile.thresholds.threshold import SHEAR
+from tactile.thresholds.threshold import CONTACT, SHEAR
 
 SURE = (Validity.INSIDE, Validity.OUTSIDE)
 """Validities of certain positions; others are marked as uncertain."""
-SQUARES = 20
-"""Largest number of taxels per side that are drawn one by one."""
-ARROWS = 16
-"""Largest number of arrows per side; larger arrays show means of blocks."""
+SQUARES = 16
+"""Largest number of taxels per side that are drawn one by one; larger arrays are a map of the strongest frame."""
 REACH = 0.85
 """Length of the longest arrow over the distance of neighbouring arrows."""
+MARGIN = 1.2
+"""Margin around the taxels over the depth."""
 
 
-def draw_plane(
-    axis: Any, columns: Columns, array: TaxelArray, strongest: Floats | None, others: Floats, dead_band: float | None
-) -> None:
-    """Draw the taxels with the tracks of located loads, or with the forces of the strongest frame.
+@dataclass(frozen=True)
+class Plane:
+    """The taxel plane of a finger: its axes, array, columns, strongest frame, and (n, 4) t, x, y, F of further loads.
 
-    ``others`` (n, 4): t, x, y, F of further loads; ``dead_band`` [N] of the median taxel's shear in that frame.
+    ``dead_band`` of the median taxel's shear in the strongest frame.
     """
-    places = array.positions() * 1e3
-    _frame(axis, places, array)
-    _taxels(axis, array)
-    if strongest is None:
-        words = "no frame" if not columns.t.size else "no frame with a valid reading"
-    elif array.quantity == "force":
-        words = _forces(axis, array, places, strongest, dead_band)
-    else:
-        words = _track(axis, columns, others)
-    axis.set_title(f"{array.rows} x {array.cols} taxels seen from outside\n{words}", loc="left", fontsize=9)
-    axis.set_xlabel("x [mm]")
-    axis.set_ylabel("y [mm]")
+
+    axis: Any
+    array: TaxelArray
+    columns: Columns
+    strongest: Floats | None
+    others: Floats
+    dead_band: float | None
+
+    @property
+    def is_force(self) -> bool:
+        """Whether the plane shows forces of taxels: no load is located."""
+        return self.array.quantity == "force"
+
+    @property
+    def is_map(self) -> bool:
+        """Whether the strongest frame is drawn."""
+        return self.strongest is not None and (self.is_force or max(self.array.shape) > SQUARES)
+
+    @property
+    def half(self) -> float:
+        """Half the width [mm] of the axes."""
+        side = (max(self.array.shape) - 1) * self.array.pitch
+        return 1e3 * (side / 2 + max(self.array.pitch, MARGIN * self.array.depth))
+
+    @property
+    def block(self) -> int:
+        """Side of the blocks of taxels of which arrows show the mean."""
+        return -(-max(self.array.shape) // SQUARES)
+
+    @property
+    def normal(self) -> Floats:
+        """Pressing in the strongest frame (rows, cols), in the unit of `UNITS`, NaN without a reading."""
+        assert self.strongest is not None
+        inward = 1.0 if self.is_force else -1.0
+        return inward * UNITS[self.array.quantity][0] * self.strongest[..., NORMAL]
+
+    def loads(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return t, x, y [mm] and abs(F) of the certain loads."""
+        sure = np.isfinite(self.columns.x) & np.isin(self.columns.validity, SURE)
+        one = np.stack([self.columns.t, self.columns.x, self.columns.y, self.columns.F])[:, sure]
+        more = self.others[np.isin(self.others[:, 0], one[0])].T
+        t, x, y, force = np.concatenate([one, more], axis=1)
+        return t, 1e3 * x, 1e3 * y, np.where(np.isfinite(force), np.abs(force), 0.0)
 
 
-def _frame(axis: Any, places: Floats, array: TaxelArray) -> None:
-    axis.set_aspect("equal", adjustable="box")
-    margin = 1e3 * max(array.pitch, 1.2 * array.depth)
-    half = max(np.ptp(places[..., 0]), np.ptp(places[..., 1])) / 2 + margin
-    x, y = places.reshape(-1, 2).mean(axis=0)
-    axis.set_xlim(x - half, x + half)
-    axis.set_ylim(y + half, y - half)
+def draw_planes(figure: Any, planes: Sequence[Plane]) -> None:
+    """Draw the planes of all fingers with one colour bar for each quantity and one key of arrows."""
+    words: list[list[str]] = [[] for _ in planes]
+    for plane in planes:
+        _frame(plane)
+    for quantity in dict.fromkeys(plane.array.quantity for plane in planes if plane.is_map):
+        _maps(figure, [plane for plane in planes if plane.is_map and plane.array.quantity == quantity])
+    arrows = [plane for plane in planes if plane.is_map and plane.is_force]
+    if arrows:
+        _arrows(arrows)
+    located = [plane for plane in planes if not plane.is_force and plane.strongest is not None]
+    if located:
+        _tracks(figure, located)
+    for plane, said in zip(planes, words, strict=True):
+        if plane.strongest is None:
+            said.append("no frame with a valid reading" if plane.columns.t.size else "no frame")
+        if plane.is_map:
+            said.append(_map_words(plane))
+        if plane in located:
+            said += _track_words(plane)
+        rows = "\n".join([f"{plane.array.rows} x {plane.array.cols} taxels seen from outside", *said])
+        plane.axis.set_title(rows, loc="left", fontsize=9, pad=18 if plane in arrows[:1] else 6)
 
 
-def _taxels(axis: Any, array: TaxelArray) -> None:
-    """Draw the square of each taxel, or the outline of a large array."""
+def _frame(plane: Plane) -> None:
+    """Set the limits, and draw the square of each taxel or the outline of a map."""
     from matplotlib.collections import PatchCollection  # slow to import
     from matplotlib.patches import Rectangle  # the same
 
-    pitch, (x, y) = array.pitch * 1e3, (at * 1e3 for at in array.origin)
+    axis, array, places = plane.axis, plane.array, plane.array.positions() * 1e3
+    axis.set_aspect("equal", adjustable="box")
+    x, y = places.reshape(-1, 2).mean(axis=0)
+    axis.set_xlim(x - plane.half, x + plane.half)
+    axis.set_ylim(y + plane.half, y - plane.half)
+    axis.set_xlabel("x [mm]")
+    axis.set_ylabel("y [mm]")
+    pitch = array.pitch * 1e3
     if max(array.shape) > SQUARES:
         width, height = array.cols * pitch, array.rows * pitch
         axis.add_patch(Rectangle((x - width / 2, y - height / 2), width, height, fill=False, edgecolor="gray"))
         return
     side = 0.5 * pitch
-    squares = [
-        Rectangle((cx - side / 2, cy - side / 2), side, side) for cx, cy in array.positions().reshape(-1, 2) * 1e3
-    ]
+    squares = [Rectangle((cx - side / 2, cy - side / 2), side, side) for cx, cy in places.reshape(-1, 2)]
     axis.add_collection(PatchCollection(squares, facecolor="none", edgecolor="0.6", linewidth=0.8))
 
 
-def _track(axis: Any, columns: Columns, others: Floats) -> str:
-    """Draw the positions of the loads over time, uncertain ones separately."""
-    placed = np.isfinite(columns.x)
-    sure = placed & np.isin(columns.validity, SURE)
-    doubted = placed & ~sure
-    words = []
-    if doubted.any():
-        axis.scatter(
-            columns.x[doubted] * 1e3, columns.y[doubted] * 1e3, marker="x", s=10, color="0.7", linewidth=0.6, zorder=1
+def _maps(figure: Any, planes: Sequence[Plane]) -> None:
+    """Draw the normal signals of the strongest frames as grey levels, pulls in red, on one scale."""
+    quantity = planes[0].array.quantity
+    scale, unit = UNITS[quantity]
+    least = scale * CONTACT[quantity].dead_band
+    most = max(least, *(float(np.nanmax(np.abs(plane.normal))) for plane in planes))
+    pulls = any(np.nanmin(plane.normal) < -least for plane in planes)
+    shades: dict[str, Any] = {"cmap": "RdGy", "vmin": -most} if pulls else {"cmap": "Greys", "vmin": 0}
+    for plane in planes:
+        (x, y), pitch = plane.array.positions()[0, 0] * 1e3, plane.array.pitch * 1e3
+        left, top = x - pitch / 2, y - pitch / 2
+        edges = left, left + plane.array.cols * pitch, top + plane.array.rows * pitch, top
+        top_value = most if pulls else 1.6 * most  # arrows stay visible on the darkest taxel
+        image = plane.axis.imshow(
+            plane.normal, extent=edges, vmax=top_value, zorder=0, interpolation="nearest", **shades
         )
-        beyond = _beyond(axis, columns.x[doubted] * 1e3, columns.y[doubted] * 1e3)
-        count = int(doubted.sum())
+        unknown = plane.array.positions()[np.isnan(plane.normal)] * 1e3
+        plane.axis.plot(*unknown.T, "x", color="0.6", markersize=4)
+    bar = _colour_bar(figure, image, planes, f"normal [{unit}], strongest frame")
+    bar.ax.set_ylim(-most if pulls else 0, most)
+
+
+def _colour_bar(figure: Any, image: Any, planes: Sequence[Plane], label: str) -> Any:
+    return figure.colorbar(image, ax=[plane.axis for plane in planes], label=label, shrink=0.6, format="%g", aspect=30)
+
+
+def _arrows(planes: Sequence[Plane]) -> None:
+    """Draw shear forces as arrows on one scale [N per width of the axes], and its key above the first plane."""
+    shears = [_blocks(plane.strongest[..., :NORMAL], plane.block) for plane in planes if plane.strongest is not None]
+    least = max(plane.dead_band or SHEAR["force"].dead_band for plane in planes)
+    largest = max(float(np.nanmax(np.hypot(*np.moveaxis(shear, -1, 0)))) for shear in shears)
+    room = min(plane.array.pitch * 1e3 * plane.block / (2 * plane.half) for plane in planes)
+    scale = max(largest, least) / (REACH * room)
+    for plane, shear in zip(planes, shears, strict=True):
+        at = _blocks(plane.array.positions() * 1e3, plane.block)
+        arrows = plane.axis.quiver(
+            at[..., 0], at[..., 1], shear[..., 0], -shear[..., 1], scale_units="width", scale=scale, units="width",
+            color="#0072b2", width=0.08 * room, headwidth=3, minlength=0.5,
+        )  # fmt: skip
+        if plane is planes[0]:
+            key = round_number(max(largest, least))
+            where = {"labelpos": "W", "coordinates": "axes", "color": "#0072b2"}
+            plane.axis.quiverkey(arrows, 0.98 - key / scale, 1.03, key, f"shear {key:g} N", **where)
+
+
+def _tracks(figure: Any, planes: Sequence[Plane]) -> None:
+    """Draw the positions of the loads, coloured by time; dots of all fingers have one scale of sizes."""
+    found = [plane.loads() for plane in planes]
+    times = np.concatenate([t for t, *_ in found])
+    most = max(float(np.concatenate([force for *_, force in found]).max(initial=0.0)), 1e-12)
+    dots = None
+    for plane, (t, x, y, force) in zip(planes, found, strict=True):
+        doubted = np.isfinite(plane.columns.x) & ~np.isin(plane.columns.validity, SURE)
+        crosses = plane.columns.x[doubted] * 1e3, plane.columns.y[doubted] * 1e3
+        plane.axis.scatter(*crosses, marker="x", s=10, color="0.7", linewidth=0.6, zorder=1)
+        if t.size:
+            dots = plane.axis.scatter(
+                x, y, c=t, s=6 + 60 * force / most, cmap="viridis", linewidth=0, zorder=2, vmin=times.min(),
+                vmax=times.max(),
+            )  # fmt: skip
+    if dots is not None:
+        bar = _colour_bar(figure, dots, planes, f"time [s]; largest dot {most:.2g} N")
+        if np.ptp(times) == 0:  # limits the scale to times with a located load
+            bar.set_ticks([times[0]])
+
+
+def _map_words(plane: Plane) -> str:
+    """Describe the strongest frame of a plane."""
+    assert plane.strongest is not None
+    unit = UNITS[plane.array.quantity][1]
+    words = [f"strongest frame: normal {np.nansum(plane.normal):.3g} {unit}"]
+    if plane.is_force:
+        shear = np.hypot(*np.moveaxis(_blocks(plane.strongest[..., :NORMAL], plane.block), -1, 0))
+        largest, dead_band = float(np.nanmax(shear)), plane.dead_band or SHEAR["force"].dead_band
+        what = f"means of {plane.block} x {plane.block} taxels" if plane.block > 1 else "shear of each taxel"
+        words.append(f"arrows: {what}\nat most {largest:.2g} N{', below the dead band' * (largest < dead_band)}")
+    if unknown := int(np.isnan(plane.normal).sum()):
+        words.append(f"crosses: no reading, {unknown} taxel{'s' * (unknown > 1)}")
+    return "\n".join(words)
+
+
+def _track_words(plane: Plane) -> list[str]:
+    """Describe the positions of the loads of a plane."""
+    t, x, y, _ = plane.loads()
+    doubted = np.isfinite(plane.columns.x) & ~np.isin(plane.columns.validity, SURE)
+    words = []
+    if t.size:
+        frames = len(np.unique(plane.others[np.isin(plane.others[:, 0], t), 0]))
+        words += ["located load", *([f"several at once in {frames} frame{'s' * (frames != 1)}"] if frames else [])]
+        beyond = _beyond(plane.axis, x, y)
+        words += [f"{beyond} dot{'s' * (beyond != 1)} beyond the edge"] if beyond else []
+    if count := int(doubted.sum()):
+        beyond = _beyond(plane.axis, plane.columns.x[doubted] * 1e3, plane.columns.y[doubted] * 1e3)
         edge = f", {beyond} beyond the edge" if beyond else ""
         words.append(f"crosses: uncertain, {count} frame{'s' * (count != 1)}{edge}")
-    if sure.any():
-        strongest = (column[sure] for column in (columns.t, columns.x, columns.y, columns.F))
-        several = np.isin(others[:, 0], columns.t[sure])
-        t, x, y, force = (np.concatenate(both) for both in zip(strongest, others[several].T, strict=True))
-        press = np.where(np.isfinite(force), np.abs(force), 0.0)
-        most = max(float(press.max()), 1e-12)
-        dots = axis.scatter(x * 1e3, y * 1e3, c=t, s=6 + 60 * press / most, cmap="viridis", linewidth=0, zorder=2)
-        bar = axis.figure.colorbar(dots, ax=axis, label="time [s]", shrink=0.6, format="%g")
-        if np.ptp(t) == 0:  # limits the scale to times with a located load
-            bar.set_ticks([t[0]])
-        words.insert(0, f"located load, largest dot {most:.2g} N")
-        if several.any():
-            frames = len(np.unique(others[several, 0]))
-            words.append(f"several at once in {frames} frame{'s' * (frames != 1)}")
-        beyond = _beyond(axis, x * 1e3, y * 1e3)
-        words += [f"{beyond} dot{'s' * (beyond != 1)} beyond the edge"] if beyond else []
-    return "\n".join(words) or "no load located"
+    return words or ["no load located"]
 
 
 def _beyond(axis: Any, x: Floats, y: Floats) -> int:
     """Count the positions [mm] outside the axis."""
     (left, right), (low, high) = axis.get_xlim(), sorted(axis.get_ylim())
     return int(((x < left) | (x > right) | (y < low) | (y > high)).sum())
-
-
-def _forces(axis: Any, array: TaxelArray, places: Floats, values: Floats, dead_band: float | None) -> str:
-    """Draw normal forces as grey levels and shear forces as arrows, with scales."""
-    pitch, dead_band = array.pitch * 1e3, dead_band or SHEAR["force"].dead_band
-    press = values[..., NORMAL]
-    most = max(float(np.nanmax(np.abs(press))), dead_band)
-    corner = places[0, 0] - pitch / 2
-    edges = corner[0], corner[0] + array.cols * pitch, corner[1] + array.rows * pitch, corner[1]
-    pulls = np.nanmin(press) < -dead_band
-    shades: dict[str, Any] = {"cmap": "RdGy", "vmin": -most, "vmax": most} if pulls else {"cmap": "Greys", "vmin": 0}
-    image = axis.imshow(press, extent=edges, **({"vmax": 1.6 * most} | shades), zorder=0, interpolation="nearest")
-    axis.figure.colorbar(image, ax=axis, label="normal [N]", shrink=0.6)
-    block = -(-max(array.shape) // ARROWS)
-    at, shear = _blocks(places, block), _blocks(values[..., :NORMAL], block)
-    length = np.hypot(*np.moveaxis(shear, -1, 0))
-    largest = float(np.nanmax(length))
-    key = round_number(max(largest, dead_band))
-    scale = key / (REACH * pitch * block) * max(1.0, largest / key)
-    arrows = axis.quiver(
-        at[..., 0], at[..., 1], shear[..., 0], shear[..., 1], angles="xy", scale_units="xy", scale=scale,
-        color="tab:blue", width=0.08 * pitch * block, units="xy", headwidth=3, minlength=0.5,
-    )  # fmt: skip
-    left, right = axis.get_xlim()
-    start = 0.98 - key / scale / (right - left)
-    axis.quiverkey(arrows, start, 1.03, key, f"shear {key:g} N", labelpos="W", coordinates="axes", color="tab:blue")
-    what = f"arrows: means of {block} x {block} taxels" if block > 1 else "arrows: shear of each taxel"
-    small = ", below the dead band" if largest < dead_band else ""
-    unknown = places[np.isnan(press)]
-    if len(unknown):
-        axis.plot(*unknown.T, "x", color="0.6", markersize=4)
-        what += f"\ncrosses: no reading, {len(unknown)} taxel{'s' * (len(unknown) > 1)}"
-    return f"strongest frame, {np.nansum(press):.3g} N\n{what}\nat most {largest:.2g} N{small}\n"
 
 
 def _blocks(plane: Floats, block: int) -> Floats:

@@ -1,14 +1,19 @@
 """The public interface of `tactile`: names, lazy imports, errors of wrong arguments."""
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import tactile
+from tactile.cli.group import main
+from tactile.output.json_data import settings_data
 from tests.kits.paths import SCENES
 
 
@@ -25,11 +30,43 @@ def test_importing_the_package_imports_nothing_slow() -> None:
     assert subprocess.check_output([sys.executable, "-c", code], text=True).strip() == "[]"
 
 
-def test_a_scene_runs_by_public_names() -> None:
-    kinds: list[str] = []
-    source = tactile.open_source(SCENES / "needle.toml")
-    tactile.run(source, tactile.Settings(), [lambda report: kinds.extend(one.kind for one in report.events)])
-    assert kinds == ["contact", "hold", "release"]
+def test_a_result_has_events_frames_loads_codes_and_a_figure() -> None:
+    result = tactile.run(SCENES / "needle.toml")
+    assert [event.kind for event in result.events] == ["contact", "hold", "release"]
+    assert [event.kind for event in result.events[1:]] == ["hold", "release"]
+    (array,) = result.arrays
+    count = result.times[array.name].size
+    assert result.frames[array.name].shape == (count, *array.shape, 3)
+    assert result.codes[array.name].shape == (count, *array.shape, 2)
+    assert result.loads[array.name].F.shape == (count,)
+    assert result.events[0].words in result._repr_html_()
+    assert len(repr(result.events).splitlines()) == 4
+    assert any(axis.get_ylabel() == "y [mm]" for axis in result.plot())
+
+
+def test_a_result_has_the_events_and_loads_of_the_command(tmp_path: Path) -> None:
+    """The defaults of `tactile run` hold also for an opened source, and programs' planes are kept."""
+    done = CliRunner().invoke(main, ["run", str(SCENES.parent / "grasp.npz"), "--json"])
+    told = json.loads(done.stdout)
+    result = tactile.run(tactile.open_source(SCENES.parent / "grasp.npz"))
+    assert [(event.t, event.end, event.words) for event in result.events] == [
+        (event["t_s"], event["end_s"], event["words"]) for event in told["events"]
+    ]
+    assert settings_data(result.settings) == told["settings"]
+    seen = tactile.run(SCENES / "needle.toml", tactile.Settings(programs=("event-code",))).programs
+    assert seen and seen[0].outputs["contact"].shape == tactile.open_source(SCENES / "needle.toml").arrays[0].shape
+
+
+def test_events_become_a_data_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pandas", reason="needs pandas")
+    events = tactile.run(SCENES / "needle.toml").events
+    frame = events.to_pandas()
+    assert list(frame["kind"]) == ["contact", "hold", "release"]
+    assert frame["t_s"][0] == events[0].t
+    assert frame["data"][0]["of_taxels"] == events[0].data["of_taxels"]
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(tactile.InputError, match="needs pandas, which is not installed: pip install pandas"):
+        events.to_pandas()
 
 
 API: Any = tactile  # for arguments of wrong types
@@ -53,7 +90,7 @@ PATH = [[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]
     (lambda: API.Settings(window="x"), "window 'x'; a whole number of frames wanted"),
     (lambda: API.Settings(tare="sometimes"), "tare 'sometimes'; one of 'auto', 'manual', 'off'"),
     (lambda: API.Settings(programs="two-blobs.toml"), "programs 'two-blobs.toml'; a tuple"),
-    (lambda: API.run("scene.toml", API.Settings(), []), r"open_source\('scene.toml'\)"),
+    (lambda: API.run("scene.toml"), "no scene or recording scene.toml"),
     (lambda: API.TaxelArray("a", 3, 5, 1e-3, 1e-3, "strain"), "origin 'strain'; its centre"),
     (lambda: API.TaxelArray("a", 3, 5, pich=1e-3, depth=1e-3), "no keyword 'pich'; did you mean 'pitch'"),
     (lambda: API.Settings(windw=3), "no keyword 'windw'; did you mean 'window'"),
@@ -63,8 +100,8 @@ PATH = [[0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]
     (lambda: API.Settings(depth="a"), "depth 'a'; a number wanted"),
     (lambda: API.Threshold("a", 1), "dead_band is 'a'; a number"),
     (lambda: API.Indenter("sphere", "a"), "radius 'a'; a number"),
-    (lambda: API.run(SCENE, {}, []), "settings {}; Settings"),
-    (lambda: API.run(SCENE, API.Settings(), print), "sinks <built-in function print>; a list of functions"),
+    (lambda: API.run(SCENE, {}), "settings {}; Settings"),
+    (lambda: API.run(3), "source 3; a file or a source of frames"),
     (lambda: API.open_source(3), "path 3; the name of a file"),
     (lambda: API.read_detector(3), "path 3; the name of a file"),
     (lambda: API.make_effect(3), "effect 3; the name of one"),

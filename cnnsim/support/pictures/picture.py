@@ -1,5 +1,7 @@
 """Picture files read and written as CNN values, and pictures as text."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO

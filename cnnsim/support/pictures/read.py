@@ -1,5 +1,7 @@
 """Pictures and sequences of pictures from files, a folder, an animation, a video or a NumPy file."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 from pathlib import Path

@@ -115,6 +115,16 @@ def test_notebooks_get_html_and_pictures() -> None:
             assert len(np.unique(np.asarray(image.convert("L")))) > 1
 
 
+def test_outputs_of_a_program_are_a_strip_of_pictures_and_numbers() -> None:
+    outputs = cnnsim.run_program("count-objects", picture=PICTURE, backend="reference")
+    assert isinstance(outputs, dict)
+    html = outputs._repr_html_()
+    pictures = sum(np.ndim(value) == 2 for value in outputs.values())
+    assert html.count("<img") == pictures
+    assert "objects" in html
+    assert "duration" in repr(cnnsim.explain("hole-filler", PICTURE))  # the plan as text
+
+
 def test_html_of_strange_names_is_text() -> None:
     assert "<script>" not in cnnsim.Template(1.0, name="<script>")._repr_html_()
 

@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver, QuiverKey
 
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream
 from tactile.inverse.validity import Validity
 from tactile.output.collected import Collected
-from tactile.output.plot import draw, picture
+from tactile.output.plot import draw, draw_run
+from tactile.output.plot_events import short_words
 from tactile.output.record import RunRecord
 from tactile.pipeline import FrameReport, run
 from tactile.settings import Settings
@@ -36,6 +38,12 @@ def drawn(source: Any, settings: Settings | None = None) -> tuple[Any, Collected
     collected = Collected()
     run(source, settings or Settings(backend="reference"), [collected])
     return picture(collected, source.arrays, source.title), collected
+
+
+def picture(collected: Collected, arrays: tuple[TaxelArray, ...], title: str) -> Any:
+    figure = Figure()
+    draw_run(figure, collected, arrays, title)
+    return figure
 
 
 def axis(figure: Any, name: str) -> Any:
@@ -68,7 +76,8 @@ def test_the_key_states_the_scale_of_the_arrows(shear: float, key: float) -> Non
     key_of_arrows: Any = next(one for one in plane.artists if isinstance(one, QuiverKey))
     assert pytest.approx(key) == key_of_arrows.U
     assert key_of_arrows.text.get_text() == f"shear {key:g} N"
-    length = np.hypot(arrows.U, arrows.V).max() / arrows.scale
+    width = np.ptp(plane.get_xlim())  # [mm], and the pitch is 1 mm
+    length = np.hypot(arrows.U, arrows.V).max() / arrows.scale * width
     assert length == pytest.approx(0.85 * min(1.0, shear / 0.1), rel=1e-6)
     assert ("below the dead band" in plane.get_title(loc="left")) == (shear < 0.1)
 
@@ -82,17 +91,35 @@ def test_large_arrays_have_no_grid_and_few_arrows(side: int, squares: int) -> No
     assert plane.get_title(loc="left").startswith(f"{side} x {side} taxels")
 
 
-@pytest.mark.parametrize("name", ["grip.toml", "needle.toml"])
-def test_labels_do_not_overlap(name: str) -> None:
-    figure, collected = drawn(open_source(SCENES / name))
-    assert collected.events
-    for part in figure.axes:
-        boxes = [text.get_window_extent() for text in part.texts if text.get_text().split(" ")[0] != "one"]
-        inside = part.get_window_extent()
-        for box in boxes:
-            assert inside.x0 - 1 <= box.x0
-            assert box.x1 <= inside.x1 + 1
-        assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+def test_fingers_share_their_scales() -> None:
+    """Two fingers with forces of 1 N and 4 N: limits, colours and arrows are the same."""
+    arrays = tuple(TaxelArray(name, 2, 2, 1e-3, 0.0, quantity="force") for name in ("weak", "strong"))
+    values = np.ones((2, 2, 3))
+    frames = [Frame(n % 2, n / 200, n // 2, values * (4 if n % 2 else 1), np.ones((2, 2), bool)) for n in range(80)]
+    figure, _ = drawn(FrameStream("two", arrays, None, 80, frames))
+    for name in ("normal [N]\n", "shear [N]\n"):
+        one, other = (axis.get_ylim() for axis in figure.axes if axis.get_ylabel().startswith(name))
+        assert one == other
+    planes = [axis for axis in figure.axes if axis.get_ylabel() == "y [mm]"]
+    assert len({plane.images[0].get_clim() for plane in planes}) == 1
+    assert len({quiver(plane).scale for plane in planes}) == 1
+    assert [len(plane.artists) for plane in planes] == [1, 0]  # one key
+
+
+def test_events_are_bars_from_onset_to_end() -> None:
+    """Their texts overlap neither each other nor a bar, and lie inside the axes."""
+    figure, collected = drawn(open_source(SCENES / "grip.toml"))
+    panel = next(axis for axis in figure.axes if axis.get_title(loc="left").startswith("left"))
+    events = [event for event in collected.events if event.finger in ("left", "hand")]
+    spans = [(bar.get_x(), bar.get_x() + bar.get_width()) for bar in panel.patches]
+    assert np.allclose(sorted(spans), sorted((event.t, event.end) for event in events))
+    names = [label.get_text() for label in panel.get_yticklabels()]
+    assert names[:2] + names[-1:] == ["contact", "load", "hand: pull"]
+    assert [text.get_text() for text in panel.texts] == [short_words(event) for event in events if short_words(event)]
+    boxes = [one.get_window_extent() for one in (*panel.texts, *panel.patches)]
+    inside = panel.get_window_extent()
+    assert all(inside.x0 - 1 <= box.x0 and box.x1 <= inside.x1 + 1 for box in boxes)
+    assert not any(one.overlaps(other) for one, other in combinations(boxes[: len(panel.texts)], 2))
 
 
 def test_frames_of_the_tare_are_empty() -> None:
@@ -100,7 +127,7 @@ def test_frames_of_the_tare_are_empty() -> None:
     columns = collected.columns("pad")
     assert np.isnan(columns.normal[:20]).all()
     assert np.isfinite(columns.normal[20:]).all()
-    assert [text.get_text() for text in axis(figure, "normal [N]").texts] == [" tare"]
+    assert [text.get_text() for text in axis(figure, "normal [N]").get_legend().get_texts()] == ["tare"]
 
 
 @pytest.mark.parametrize(("x", "beyond"), [(None, False), (1.0, True)])
@@ -142,7 +169,10 @@ def test_missing_readings_are_not_drawn_as_zero() -> None:
         assert collected.strongest == {}
         assert words in axis(figure, "y [mm]").get_title(loc="left")
         assert not axis(figure, "y [mm]").images
-        assert words.startswith(axis(figure, "shear").texts[0].get_text()[:2])
+        assert [text.get_text() for text in axis(figure, "shear").get_legend().get_texts()] == [
+            "x: not known",
+            "y: not known",
+        ]
     assert not axis(figure, "shear").get_xticks().size
 
 
