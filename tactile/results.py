@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cnnsim.support import Floats, Integers
+from cnnsim.support import Floats
 from cnnsim.support.command_line import watched
 from cnnsim.support.errors import InputError, shown
 from cnnsim.support.extras import need
@@ -29,6 +30,8 @@ from tactile.sources import open_source
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Codes = NDArray[np.int8]
+"""An array of ternary codes."""
 MOST_ROWS = 40
 """Number of events that a notebook shows."""
 HEAD = ("onset [s]", "end [s]", "finger", "event", "code")
@@ -110,7 +113,7 @@ class TouchResult:
     times: dict[str, Floats]
     frames: dict[str, Floats]
     loads: dict[str, Columns]
-    codes: dict[str, Integers]
+    codes: dict[str, Codes]
     programs: list[ProgramOutput]
     notes: tuple[str, ...]
     _collected: Collected = field(repr=False)
@@ -140,7 +143,7 @@ class _Planes:
 
     def __init__(self, arrays: tuple[TaxelArray, ...]) -> None:
         self._frames: dict[str, list[Floats]] = {array.name: [] for array in arrays}
-        self._codes: dict[str, list[Integers]] = {array.name: [] for array in arrays}
+        self._codes: dict[str, list[Codes]] = {array.name: [] for array in arrays}
         self._shapes = {array.name: array.shape for array in arrays}
 
     def __call__(self, report: FrameReport) -> None:
@@ -152,7 +155,7 @@ class _Planes:
         """Return the values (frames, rows, cols, 3) of a finger."""
         return np.array(self._frames[name]).reshape(-1, *self._shapes[name], 3)
 
-    def codes(self, name: str) -> Integers:
+    def codes(self, name: str) -> Codes:
         """Return the codes (frames, rows, cols, 2) of a finger."""
         return np.array(self._codes[name], np.int8).reshape(-1, *self._shapes[name], 2)
 

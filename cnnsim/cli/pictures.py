@@ -15,7 +15,7 @@ from cnnsim.support import Array, InputError
 from cnnsim.support.command_files import claim
 from cnnsim.support.files import check_folder, check_place, make_folder
 from cnnsim.support.pictures.film import FILM_ENDINGS, filming, is_film, video_library
-from cnnsim.support.pictures.picture import write_picture
+from cnnsim.support.pictures.picture import ARRAY_ENDINGS, check_bits, write_picture
 from cnnsim.support.pictures.pixels import check_reading
 from cnnsim.support.pictures.read import planes_of, read_pictures, sequence_of
 from cnnsim.support.pictures.sequence import PictureOptions
@@ -30,6 +30,12 @@ binary_option = click.option("--binary", is_flag=True, help="Make the pictures b
 range_option = click.option(
     "--range", "levels", metavar="BLACK,WHITE", callback=lambda _context, _option, text: parse_levels(text),
     help="The numbers of black and white, for grey pictures whose file does not tell: 0,4095.",
+)  # fmt: skip
+
+
+bits_option = click.option(
+    "--bits", type=click.Choice(["8", "16", "32"]), default="8", callback=lambda _context, _option, text: int(text),
+    help="Bits of a grey level: 16 in PNG and TIFF, 32 (floats) in TIFF; .npy and .npz hold the numbers [8].",
 )  # fmt: skip
 
 
@@ -82,13 +88,16 @@ def read_beside(path: Path | None, what: str, pictures: Array, reading: PictureO
     return planes
 
 
-def check_output(path: Path | None, *, film: bool, name: str = "", count: int | None = None) -> None:
+def check_output(
+    path: Path | None, *, film: bool, name: str = "", count: int | None = None, bits: int = 8
+) -> None:  # fmt: skip
     """Check before the run that `write_planes` can write a path; None is skipped.
 
     ``count``: number of pictures, None for one without a number.
 
     Raises:
-        InputError: the folder is missing, no picture (or with ``film`` no film) has this ending, or as `claim`.
+        InputError: the folder is missing, no picture (or with ``film`` no film) has this ending or ``bits`` a grey
+            level, or as `claim`.
     """
     if path is None:
         return
@@ -101,7 +110,12 @@ def check_output(path: Path | None, *, film: bool, name: str = "", count: int | 
         return
     if film and is_film(path):
         check_film(path)
-    elif Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE:
+        return
+    check_bits(path, bits)
+    if (
+        path.suffix.lower() not in ARRAY_ENDINGS
+        and Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE
+    ):
         raise InputError(f"cannot write {path}: unknown file extension: {path.suffix}")
 
 
@@ -136,10 +150,10 @@ def check_plot(path: Path | None) -> None:
         raise InputError(f"cannot write {path}: a plot is one of .{', .'.join(known)}")
 
 
-def write_planes(y: Array, path: Path, *, film: bool, name: str = "") -> list[Path]:
+def write_planes(y: Array, path: Path, *, film: bool, name: str = "", bits: int = 8) -> list[Path]:
     """Write a picture, or several as numbered files, or as one film if ``film`` and the path allow it.
 
-    A path that is a folder, or has no ending, is the folder for PNG files with that ``name``.
+    A path that is a folder, or has no ending, is the folder for PNG files with that ``name``; ``bits`` of a grey level.
     """
     if path.is_dir() or not path.suffix:
         make_folder(path)
@@ -150,7 +164,7 @@ def write_planes(y: Array, path: Path, *, film: bool, name: str = "") -> list[Pa
                 add(picture)
         return paths
     for picture, target in zip(y[None] if y.ndim == 2 else y, paths, strict=True):
-        write_picture(picture, target)
+        write_picture(picture, target, bits=bits)
     return paths
 
 

@@ -19,14 +19,14 @@ from cnnsim.cli.large import (
     workers_option,
     write_result,
 )
-from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, range_option
+from cnnsim.cli.pictures import FRAME_RATE, arrow, binary_option, bits_option, range_option
 from cnnsim.cli.run import backend_option, device_option, json_option, threads_option
 from cnnsim.support import Array, InputError
 from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.files import check_folder, make_folder
 from cnnsim.support.pictures.film import filming, is_film
-from cnnsim.support.pictures.picture import write_picture
+from cnnsim.support.pictures.picture import check_bits, write_picture
 from cnnsim.support.pictures.read import sequence_of
 from cnnsim.support.pictures.sequence import PictureOptions, PictureSequence
 from cnnsim.support.terminal import say
@@ -54,7 +54,10 @@ _SHOWN = 10
               help="One picture for an input plane, the same in all steps.")  # fmt: skip
 @click.option("--set", "settings", multiple=True, metavar="NAME=NUMBER", help="A number for one of its parameters.")
 @click.option("-o", "--output", type=click.Path(path_type=Path),
-              help="Folder for the output planes, a PNG each and for each step; or a film (.gif, .mp4).")  # fmt: skip
+              help="Folder for the output planes, a file each and for each step; or a film (.gif, .mp4).")  # fmt: skip
+@click.option("--format", "ending", type=click.Choice(["png", "tif", "npy"]), default="png", show_default=True,
+              help="Of the files in the folder; npy holds the numbers themselves.")  # fmt: skip
+@bits_option
 @binary_option
 @range_option
 @backend_option
@@ -70,7 +73,7 @@ def program(
     file: str, pairs: tuple[str, ...], stills: tuple[str, ...], settings: tuple[str, ...], output: Path | None,
     binary: bool, levels: tuple[float, float] | None, backend: str, device: str | None,
     threads: int | None, as_json: bool, engine: str | None, store: Path | None, workers: int | None,
-    block: int | None,
+    block: int | None, ending: str, bits: int,
 ) -> None:  # fmt: skip
     """Run an analogic program on pictures or sequences.
 
@@ -95,6 +98,7 @@ def program(
         raise InputError(f"{output} with --engine; a folder for pictures, or no engine, wanted")
     if output is not None and not film:
         check_folder(output)
+        check_bits(f"plane.{ending}", bits)
     sequence = sequence_of_large if large else sequence_of
     inputs = _sequences(_pairs("--input", pairs), _pairs("--still", stills), reading, sequence)
     steps = _steps(inputs, {key for key, _ in _pairs("--still", stills)})
@@ -104,7 +108,7 @@ def program(
     rate = next((sequence.rate for sequence in inputs.values() if sequence.rate), FRAME_RATE)
     several = steps != 1
     if output is not None and not film:
-        claim(*(output / f"{name}{'-0000' * several}.png" for name in planes))
+        claim(*(output / f"{name}{'-0000' * several}.{ending}" for name in planes))
     with ExitStack() as films:
         adding = {}
         chosen = {"engine": engine, "store": store, "workers": workers, "side": block}
@@ -124,11 +128,11 @@ def program(
                     adding[name](value)
                 elif output is not None:
                     make_folder(output)
-                    files[name].append(output / (f"{name}-{number:04d}.png" if several else f"{name}.png"))
+                    files[name].append(output / (f"{name}-{number:04d}.{ending}" if several else f"{name}.{ending}"))
                     if large:
                         write_result(value, files[name][-1])
                     else:
-                        write_picture(value, files[name][-1], follow=False)
+                        write_picture(value, files[name][-1], bits=bits, follow=False)
                 elif store is not None:
                     files[name].append(Path(value.store.root) / value.path)
     _report(parsed.name, numbers, files, several, as_json)

@@ -13,6 +13,7 @@ from cnnsim.cli.pictures import (
     arrow,
     as_map,
     binary_option,
+    bits_option,
     check_film,
     check_output,
     picture_argument,
@@ -50,7 +51,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
         "cnnsim run hole-filler scan.png -o filled.png --binary --trajectory wave.gif",
         "cnnsim run diffusion photo.jpg -o soft.png --time 3 --boundary zero-flux",
         "cnnsim run recall mask.png --state marker.png -o found.png",
-        "cnnsim run diffusion photo.jpg -o softer.png --accuracy 1e-5",
+        "cnnsim run diffusion photo.jpg -o softer.npy --accuracy 1e-5",
         "cnnsim run edge scans/ -o edges.png",
         "cnnsim run edge walk.mp4 -o edges.gif",
         "cnnsim run hole-filler scan.png --mask keep.png -o kept.png",
@@ -61,11 +62,12 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @picture_argument
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path),
-    help="Where the output picture goes; or a folder; several are numbered, or a film (.gif, .mp4).",
+    help="Where the output goes: a picture, or numbers (.npy, .npz); or a folder; several are numbered, or a film.",
 )  # fmt: skip
 @click.option("--state", type=click.Path(path_type=Path), help="The second picture, for templates that take one.")
 @click.option("--mask", type=click.Path(path_type=Path), help="Fixed-state map: black cells keep their state.")
 @click.option("--bias", type=click.Path(path_type=Path), help="Bias map, added to z: black adds 1, white takes 1 off.")
+@bits_option
 @binary_option
 @range_option
 @click.option("--boundary", help=f"{BOUNDARY_FORMS} instead of the template's own.")
@@ -98,7 +100,7 @@ def run(
     name: str, pictures: tuple[Path, ...], output: Path | None, state: Path | None, mask: Path | None,
     bias: Path | None, binary: bool, levels: tuple[float, float] | None, trajectory: Path | None, backend: str,
     device: str | None, threads: int | None, dtype: str | None, as_json: bool, engine: str | None,
-    store: Path | None, workers: int | None, block: int | None, **options: Any,
+    store: Path | None, workers: int | None, block: int | None, bits: int, **options: Any,
 ) -> None:  # fmt: skip
     """Run a template on a picture, a batch or a sequence.
 
@@ -122,6 +124,8 @@ def run(
     if engine is not None or store is not None:
         if trajectory is not None:
             raise InputError("--trajectory with --engine; without one of them wanted")
+        if bits != 8:
+            raise InputError(f"--bits {bits} with --engine; a .npy file wanted")
         if len(pictures) != 1 or entry.frame_time is not None:
             raise InputError(f"{len(pictures)} pictures on an engine; a template for one picture, and one, wanted")
         files = {"picture": pictures[0], "state": state, "mask": mask, "bias": bias}
@@ -138,14 +142,14 @@ def run(
             task[key] = as_map(plane, f"--{key}", task["state"])
     film = entry.frame_time is None and shown.ndim == 3
     layers = len(entry.network.layers) if isinstance(entry.network, LayeredTemplate) else None
-    check_output(output, film=film, name=name, count=len(shown) if film else layers)
+    check_output(output, film=film, name=name, count=len(shown) if film else layers, bits=bits)
     try:
         result = run_transient(entry.network, **task, backend=where)
     except NotSettledError as error:
         if output is not None:
-            write_planes(error.result.y, output, film=film, name=name)
+            write_planes(error.result.y, output, film=film, name=name, bits=bits)
         raise
-    written: list[Path] = [] if output is None else write_planes(result.y, output, film=film, name=name)
+    written: list[Path] = [] if output is None else write_planes(result.y, output, film=film, name=name, bits=bits)
     films = ""
     if trajectory is not None:
         end = result.t if np.isfinite(result.t) else 10.0

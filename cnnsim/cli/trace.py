@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import click
+import numpy as np
 
 from cnnsim import backends, library
 from cnnsim.cli.pictures import (
@@ -21,6 +22,7 @@ from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import examples, print_json, replace_option
+from cnnsim.support.files import writing
 from cnnsim.support.pictures.film import write_film
 from cnnsim.support.pictures.sequence import PictureOptions
 from cnnsim.support.terminal import say
@@ -32,13 +34,19 @@ _FILE = click.Path(path_type=Path)
     epilog=examples(
         "cnnsim trace edge square.png -o trace.png",
         "cnnsim trace hole-filler scan.png --binary --cell 3,4 --cell 5,5 -o holes.png --film film.gif",
+        "cnnsim trace diffusion photo.png --time 5 --frames 50 -o states.npz",
         "cnnsim trace moving-parts frame1.png frame2.png frame3.png -o moving.png",
         "cnnsim trace recall mask.png --state marker.png --time 12 --scheme rk4 -o recall.png",
     )
 )
 @click.argument("name")
 @picture_argument
-@click.option("-o", "--output", type=_FILE, help="Where the plot goes (PNG, SVG, PDF).")
+@click.option(
+    "-o",
+    "--output",
+    type=_FILE,
+    help="Where the plot goes (PNG, SVG, PDF), or the states of all cells as numbers (.npz).",
+)
 @click.option("--cell", "cells", multiple=True, metavar="ROW,COL", help="A cell to follow; else representative ones.")
 @click.option("--film", type=_FILE, help="Also write the output over time as a film (.gif, .mp4).")
 @click.option("--frames", type=click.IntRange(1, 2000), default=120, show_default=True, help="Times that are kept.")
@@ -68,7 +76,9 @@ def trace(
 
     if output is None and film is None and not as_json:
         raise InputError("nothing to do: give -o for a plot, --film for a film, or --json")
-    check_plot(output)
+    numbers = output is not None and output.suffix.lower() == ".npz"
+    if not numbers:
+        check_plot(output)
     check_film(film)
     claim(output, film)
     entry = library.load(name)
@@ -88,7 +98,10 @@ def trace(
     task = make_task(entry.network, **given, scheme=scheme)
     found = record(task, where, watching_time(task, where) if duration is None else duration, frames, layer)
     chosen = chosen or representative_cells(found)
-    if output is not None:
+    if numbers and output is not None:
+        with writing(output) as beside:
+            np.savez(beside, t=found.t, x=found.x, y=found.y)
+    elif output is not None:
         from cnnsim.prototyping.trace.plot import draw_trace
 
         draw_trace(found, chosen, f"{entry.name}: {entry.summary}", output, task, layer)

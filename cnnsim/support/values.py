@@ -169,6 +169,8 @@ def _unequal(values: Any) -> str:
     return f": entry 0 has shape {shapes[0]}, entry {other} {shapes[other]}; one shape wanted" if other else ""
 
 
+LEAST_CELLS = 16
+"""Cells of a picture from which on its range is judged."""
 STRIP = 256
 """Rows of a stored plane that are read at a time."""
 
@@ -200,8 +202,19 @@ def has_zeros_for_white(array: Array) -> bool:
     return bool(((values == 0) | (values == 1)).all())
 
 
+def _is_grey_level(array: Array) -> bool:
+    """Return whether a picture looks like floats from 0 to 1: values in both halves and between, none below 0.
+
+    CNN values of a dark picture of 8 bits are odd multiples of 1 / 255, which tells them apart.
+    """
+    if array.dtype.kind != "f" or array.size < LEAST_CELLS or not 0 <= array.min() < 0.5 < array.max() <= 1:
+        return False
+    from_a_file = bool((np.abs((array * 255 + 1) % 2 - 1) > 1 - 1e-3).all())
+    return not from_a_file and bool(((array > 0) & (array < 1)).any())
+
+
 def as_picture(name: str, values: ArrayLike, *, logic: bool = False) -> Array:
-    """Return a picture as `as_numbers`; a picture outside of [-1, 1] gives a warning.
+    """Return a picture as `as_numbers`; one outside of [-1, 1], or of grey levels from 0 to 1, gives a warning.
 
     Raises:
         InputError: as `as_numbers`; a shape (rows, cols, 3 or 4), which looks like colours.
@@ -212,6 +225,11 @@ def as_picture(name: str, values: ArrayLike, *, logic: bool = False) -> Array:
             f"{name} has shape {array.shape}, which reads as colours; (rows, cols) or (n, rows, cols) wanted: "
             f"cnnsim.to_planes(values, top) makes a plane a colour; grids {array.shape[-1]} wide are run one by one"
         )
+    if _is_grey_level(array):
+        said = (
+            f"{name} lies from 0 to 1, as grey levels of scikit-image and matplotlib do; CNN values lie from -1 (white)"
+        )
+        warnings.warn(f"{said} to 1 (black): cnnsim.from_gray(values, 1) converts", stacklevel=users_level())
     most = largest(array)
     if 1 < most < np.inf:
         said = f"{name} reaches {most:.9g}; CNN values lie from -1 (white) to 1 (black)"

@@ -17,6 +17,7 @@ import pytest
 
 import tactile
 from cnnsim.support import InputError
+from tactile import pipeline
 from tactile.core.frame import TaxelArray
 from tactile.inverse.load import Load
 from tactile.output.publish import Publisher, udp_address
@@ -36,8 +37,8 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_file_gives_tared_frames_with_load_code_margin_and_the_events_of_a_run(recording: Path) -> None:
-    reports: list[tactile.FrameReport] = []
-    tactile.run(tactile.open_source(recording), tactile.Settings(), [reports.append])
+    reports: list[pipeline.FrameReport] = []
+    pipeline.run(tactile.open_source(recording), tactile.Settings(), [reports.append])
     with tactile.stream(recording) as frames:
         assert [array.name for array in frames.arrays] == ["left", "right"]
         got = list(frames)

@@ -31,6 +31,10 @@ _MORE_THAN_PICTURES = {"MPO", "PSD"}
 """Formats whose further frames are no sequence: previews of a camera, layers of a drawing."""
 _LINE, _LINE_COLOUR = 3, (230, 120, 40)
 """Width [pixels] and colour of the line between planes, which no cell has."""
+ARRAY_ENDINGS = (".npy", ".npz")
+"""Endings of files that hold the numbers themselves."""
+DEEP = {16: (".png", ".tif", ".tiff"), 32: (".tif", ".tiff")}
+"""Bits of a grey level, and the endings of files that hold them."""
 _TOO_LARGE = "cut it into tiles, make it smaller, or use a machine with more memory"
 
 
@@ -115,12 +119,17 @@ def to_png(values: Array, least: int = 192) -> bytes:
 
 
 @spelled()
-def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bool = True) -> None:
+def write_picture(values: Array, path: str | Path, scale: int = 1, *, bits: int = 8, follow: bool = True) -> None:
     """Write CNN values as a picture; the name's ending is the format, ``follow`` as in `writing`.
 
+    ``bits`` of a grey level: 8, 16 (PNG, TIFF), or 32, floats from 0 (black) to 1 (white) (TIFF). A .npy file holds the
+    values themselves, also those beyond -1 and 1; a .npz file holds them as ``values``.
+
     Raises:
-        InputError: an ending that Pillow does not know, a file that cannot be written, values that are not CNN values.
+        InputError: an ending that Pillow does not know, a file that cannot be written, values that are not CNN values,
+            bits that the format does not have.
     """
+    check_bits(path, bits)
     if not is_whole(scale) or scale < 1:
         raise InputError(f"scale {scale!r}; a whole number of pixels a cell, at least 1, wanted")
     if not (isinstance(values, np.ndarray) and values.dtype == bool):
@@ -132,7 +141,38 @@ def write_picture(values: Array, path: str | Path, scale: int = 1, *, follow: bo
     if values.size >= LARGE and (report := watcher()) is not None:
         report(None, f"writing {path}")
     with writing(path, follow=follow) as temporary:
-        to_image(values, scale).save(temporary)
+        if temporary.suffix.lower() in ARRAY_ENDINGS:
+            _write_array(values, temporary)
+        else:
+            (to_image(values, scale) if bits == 8 else _deep_image(values, bits, scale)).save(temporary)
+
+
+def check_bits(path: str | Path, bits: int) -> None:
+    """Check that a file can hold grey levels of so many bits.
+
+    Raises:
+        InputError: it cannot.
+    """
+    ending = Path(path).suffix.lower()
+    if bits != 8 and ending not in DEEP.get(bits, ()):
+        known = "; ".join(f"{count}: {', '.join(endings)}" for count, endings in DEEP.items())
+        raise InputError(f"{path}: {bits!r} bits a grey level; 8 wanted, or {known}; .npy holds the numbers themselves")
+
+
+def _write_array(values: Array, path: Path) -> None:
+    with path.open("wb") as file:
+        if path.suffix.lower() == ".npz":
+            np.savez(file, values=values)
+        else:
+            np.save(file, values)
+
+
+def _deep_image(values: Array, bits: int, scale: int) -> Image.Image:
+    """Return CNN values (rows, cols) as grey levels of 16 bits, or floats from 0 to 1; layers lie side by side."""
+    values = np.concatenate(list(values), axis=1) if values.ndim == 3 else values
+    values = np.where(values, 1.0, -1.0) if values.dtype == bool else values
+    levels = np.kron((1.0 - np.clip(values, -1, 1)) / 2, np.ones((scale, scale)))
+    return Image.fromarray(levels.astype(np.float32) if bits == 32 else np.rint(levels * 65535).astype(np.uint16))
 
 
 def _cell(value: float) -> float:

@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 from PIL import Image
 
+import cnnsim
 from cnnsim import read_picture, write_picture
 from cnnsim.cli.group import main
 from cnnsim.support.pictures.film import BETWEEN, STRIP
@@ -103,3 +104,51 @@ def test_a_film_of_two_layers_shows_them_side_by_side(tmp_path: Path, monkeypatc
     with Image.open("film.gif") as film:
         side = film.height - 2 * STRIP  # below the cells the layer, below that the time
         assert film.width == 2 * side + BETWEEN
+
+
+def test_grey_results_are_saved_without_loss(tmp_path: Path) -> None:
+    """As numbers, 16-bit levels and floats; the picture that is read again has the values of the run."""
+    picture = tmp_path / "p.png"
+    cnnsim.write_picture(np.random.default_rng(3).random((6, 7)) > 0.5, picture)
+    y = cnnsim.run("diffusion", cnnsim.read_picture(picture), backend="reference", duration=1.0).y
+    how = ["run", "diffusion", str(picture), "--time", "1", "--backend", "reference", "-o"]
+    for name, bits, allowed in (
+        ("y.npy", 8, 0), ("y.npz", 8, 0), ("y.png", 16, 2**-15), ("y.tif", 16, 2**-15), ("f.tiff", 32, 2**-23),
+    ):  # fmt: skip
+        done = CliRunner().invoke(main, [*how, str(tmp_path / name), "--bits", str(bits)])
+        assert done.exit_code == 0, done.output
+        assert np.abs(cnnsim.read_picture(tmp_path / name) - y).max() <= allowed, name
+    done = CliRunner().invoke(main, [*how, str(tmp_path / "y.jpg"), "--bits", "16"])
+    assert done.exit_code == 2
+    assert "16 bits a grey level; 8 wanted, or 16: .png, .tif, .tiff" in done.output
+    program = [
+        "program",
+        "gray-opening",
+        "--input",
+        f"picture={picture}",
+        "--format",
+        "npy",
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    assert CliRunner().invoke(main, program).exit_code == 0
+    assert [path.suffix for path in (tmp_path / "out").iterdir()] == [".npy"]
+
+
+def test_states_over_time_are_saved_as_numbers(tmp_path: Path) -> None:
+    cnnsim.write_picture(np.eye(5) > 0, tmp_path / "p.png")
+    path = tmp_path / "states.npz"
+    how = ["--time", "2", "--frames", "4", "--backend", "reference", "-o", str(path)]
+    done = CliRunner().invoke(main, ["trace", "diffusion", str(tmp_path / "p.png"), *how])
+    assert done.exit_code == 0, done.output
+    with np.load(path) as found:
+        assert found["x"].shape == found["y"].shape == (5, 5, 5)
+        assert np.allclose(found["t"], [0, 0.5, 1, 1.5, 2])
+
+
+def test_floats_from_0_to_1_give_a_warning_with_the_conversion() -> None:
+    grey = np.random.default_rng(1).random((6, 6))
+    with pytest.warns(UserWarning, match=r"lies from 0 to 1.*from_gray\(values, 1\) converts"):
+        cnnsim.run("diffusion", grey, backend="reference", duration=0.1)
+    dark = cnnsim.from_gray(np.arange(36).reshape(6, 6) * 3)  # of an 8-bit picture, and no warning
+    cnnsim.run("diffusion", dark, backend="reference", duration=0.1)

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tactile import Settings, run
+from tactile import Settings
 from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import LiveTare
 from tactile.calibration.tare_check import TareCheck
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance
 from tactile.output.collected import Collected
+from tactile.pipeline import run
 from tactile.sources.replay_npz import write_npz
 from tests.kits.serial import call
 

@@ -12,7 +12,7 @@ from tactile.core.frame import TaxelArray
 from tactile.events.event import Event
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
-from tactile.output.collected import Collected
+from tactile.output.collected import Collected, ProgramOutput
 from tactile.output.json_data import run_data
 from tactile.output.record import text_cell
 from tactile.output.tables import tables
@@ -101,7 +101,8 @@ def test_outputs_of_programs_in_json_and_the_last_in_the_table(
     collected, array = Collected(), TaxelArray("pad", 2, 2, 1e-3, 1e-3)
     plane = np.array([[True, False], [False, False]])
     collected.outputs = [
-        (n / 10, "pad", "mine", {"here": plane, "level": np.array([0.5, np.nan]), "count": n}) for n in range(8)
+        ProgramOutput(n / 10, "pad", "mine", {"here": plane, "level": np.array([0.5, np.nan]), "count": n})
+        for n in range(8)
     ]
     programs = json.loads(json.dumps(run_data(collected, (array,), Settings()), allow_nan=False))["programs"]
     assert len(programs) == 8
