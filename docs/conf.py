@@ -20,7 +20,7 @@ extensions = [
     "sphinx_click", "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
 ]  # fmt: skip
-exclude_patterns = ["_build", "accuracy/*.md", "scaling/*.md", "generated/examples", "**.ipynb_checkpoints"]
+exclude_patterns = ["_build", "generated/examples", "**.ipynb_checkpoints"]
 html_theme = "pydata_sphinx_theme"
 html_theme_options = {"show_prev_next": False, "navigation_with_keys": True, "secondary_sidebar_items": ["page-toc"],
                       "logo": {"text": "Cellular wave machine"}}  # fmt: skip

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from library_pages import write_library
+from notebook_pages import write_notebooks
 
 from cnnsim import run, write_picture
 
@@ -32,6 +33,7 @@ def write_generated_pages(folder: Path) -> None:
         text = (ROOT / path).read_text(encoding="utf-8")
         (folder / f"{name}.md").write_text(_relinked(text, (ROOT / path).parent, folder), encoding="utf-8")
     write_library(folder / "library")
+    write_notebooks(ROOT / "examples" / "notebooks", folder / "notebooks", _relinked)
     _write_thumbnail(folder / "wave.png")
     _copy_examples(folder / "examples")
 

@@ -119,7 +119,7 @@ def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.Monke
         exec(compile(block, "README.md", "exec"), names)
     assert (tmp_path / "edge.png").is_file()
     assert names["warm"].t == 5.0
-    assert names["result"].events[-1].words == "release"
+    assert names["touch"].events[-1].words == "release"
 
 
 def test_the_python_of_the_page_on_control_loops_runs(

@@ -29,7 +29,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
         folder = tmp_path_factory.mktemp("docs") / "generated"
         write_generated_pages(folder)
-        for name in ("site_pages", "library_pages"):
+        for name in ("site_pages", "library_pages", "notebook_pages"):
             del sys.modules[name]
     return folder
 
@@ -43,6 +43,14 @@ def test_each_template_has_a_page_with_pictures_and_code(generated: Path) -> Non
             assert (generated / "library" / picture).is_file()
     assert "hole-filler-output.png" in pages["hole-filler"]
     assert len(list((generated / "library" / "programs").glob("*.md"))) >= 35
+
+
+def test_each_notebook_is_a_page_with_its_pictures(generated: Path) -> None:
+    for notebook in sorted((ROOT / "examples" / "notebooks").glob("*.ipynb")):
+        page = (generated / "notebooks" / f"{notebook.stem}.md").read_text(encoding="utf-8")
+        pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", page)
+        assert pictures
+        assert all((generated / "notebooks" / picture).is_file() for picture in pictures)
 
 
 def test_links_to_generated_pages_lead_somewhere(generated: Path) -> None:

@@ -49,12 +49,11 @@ def section() -> Section:
     mixed = next(row for row in rows if row["way"] == "mixed, degree 2" and row["fineness"] == 1.0)
     locked = next(row for row in rows if row["way"] == "displacement, degree 1" and row["fineness"] == 1.0)
     answer = (
-        f"Bump: mixed elements on the standard mesh are off by {mixed['error']:.1%} in {mixed['seconds']:.2g} s, plain "
-        f"ones of degree 1 lock and are off by {locked['error']:.0%}; a bump that was computed once comes "
-        f"from the cache in "
-        f"{warm * 1e3:.2g} ms instead of {cold:.2g} s."
+        f"Mixed elements on the standard mesh are off by {mixed['error']:.1%} in {mixed['seconds']:.2g} s. "
+        f"Plain elements of degree 1 lock and are off by {locked['error']:.0%}. "
+        f"A bump that was computed once comes from the cache in {warm * 1e3:.2g} ms instead of {cold:.2g} s."
     )
-    return Section("bump", "3. Bump by finite elements", answer, _text(rows), rows)
+    return Section("bump", "Bump by finite elements", answer, _text(rows), rows)
 
 
 def _row(way: str, fineness: float, unknowns: int, error: float, seconds: float) -> dict[str, Any]:

@@ -33,14 +33,11 @@ def section() -> Section:
     rows = [row for part in watched(parts, "half-space", len(parts)) for row in part()]
     area, disc = _costs(rows, "taxel area 0.3 z", "points"), _costs(rows, "Hertz contact, a = z", "cells a side")
     answer = (
-        f"Half-space: how loads are summed changes nothing but the time (all ways agree to "
-        f"{_worst_sum(rows):.0e}); three "
-        f"digits of a taxel's area take {area[1e-3]:g} x {area[1e-3]:g} points and six {area[1e-6]:g} x "
-        f"{area[1e-6]:g}; a "
-        f"contact cut into cells needs {disc[1e-3]:g} a side for three digits, its circle in closed form "
-        f"gives them all."
+        f"All ways to sum loads agree to {_worst_sum(rows):.0e}. Three digits of a taxel's area take {area[1e-3]:g} x "
+        f"{area[1e-3]:g} points, six take {area[1e-6]:g} x {area[1e-6]:g}. "
+        f"A contact cut into cells needs {disc[1e-3]:g} cells a side for three digits; the closed form has all."
     )
-    return Section("halfspace", "2. Half-space", answer, _text(rows), rows)
+    return Section("halfspace", "Half-space", answer, _text(rows), rows)
 
 
 def _row(family: str, way: str, size: float, error: float, seconds: float) -> dict[str, Any]:

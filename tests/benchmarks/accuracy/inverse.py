@@ -36,13 +36,12 @@ def section() -> Section:
         for n in (2, 8)
     )
     answer = (
-        f"Inverse: the stable form keeps {worst['stable', 'float64']:.0e} wherever the load is, the printed "
-        f"one loses all digits "
-        f"right above the taxel and on the ring; with 1 % noise 8 x 8 taxels find the place "
-        f"{few['error'] / many['error']:.2g} x "
-        f"nearer than 2 x 2, for {many['seconds'] / few['seconds']:.2g} x the time."
+        f"The stable form is right to {worst['stable', 'float64']:.0e} wherever the load is. The printed form "
+        "loses all digits above the taxel and on the ring. "
+        f"With 1 % noise 8 x 8 taxels are {few['error'] / many['error']:.2g} x as precise as 2 x 2, for "
+        f"{many['seconds'] / few['seconds']:.2g} x the time."
     )
-    return Section("inverse", "4. Inverse", answer, _text(rows), rows)
+    return Section("inverse", "Inverse", answer, _text(rows), rows)
 
 
 def _row(

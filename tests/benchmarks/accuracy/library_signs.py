@@ -54,8 +54,8 @@ def section() -> Section:
     median = float(np.median([_ratio(row) for row in rows]))
     slow_ones = "\n".join(f"- {row['template']}, {_ratio(row):.2g} x: {row['how']}" for row in slow) or "none"
     answer = (
-        f"Binary outputs of the library: all signs right in {right} of {len(rows)} templates on pictures of {SIDE} x "
-        f"{SIDE}, for {median:.2g} x the time of the default (median)."
+        f"All signs are right in {right} of {len(rows)} templates, on pictures of up to {SIDE} x {SIDE} cells. "
+        f"That takes {median:.2g} x the time of the default (median)."
     )
     words = _TEXT.format(
         number=len(names), side=SIDE, right=right, judged=len(rows), wrong=wrong or "none", median=median,

@@ -11,7 +11,8 @@ Draw = Callable[[Any], None]
 class Section:
     """One section.
 
-    ``stem`` names its files, ``answer`` is its one sentence on top of the page, ``text`` its paragraphs (Markdown),
+    ``stem`` names its files, ``answer`` has one or two short sentences on top of the page, ``see`` says what the
+    diagram shows, ``text`` has the paragraphs (Markdown),
     ``rows`` the figures for CSV and JSON, all with the same keys; ``draw`` draws into a figure of matplotlib of
     ``size`` [inch], None for no diagram.
     """
@@ -23,3 +24,4 @@ class Section:
     rows: Sequence[dict[str, Any]]
     draw: Draw | None = None
     size: tuple[float, float] = (11.0, 10.0)
+    see: str = ""

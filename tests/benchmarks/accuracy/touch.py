@@ -31,11 +31,11 @@ def section() -> Section:
     of = {(row["side"], row["asked"]): row for row in rows}
     small, large = (of[side, "and textures"]["median us"] / of[side, ASKED[0]]["median us"] for side in (2, 8))
     answer = (
-        f"Touch: code and events of 8 x 8 taxels take {of[8, ASKED[0]]['median us']:.0f} us a frame; with "
-        f"loads and textures "
-        f"it is {large:.2g} x that ({small:.2g} x on 2 x 2), with a program of one's own {_ratio(of, 8):.2g} x."
+        f"Code and events of 8 x 8 taxels take {of[8, ASKED[0]]['median us']:.0f} us a frame. "
+        f"Loads and textures take {large:.2g} x that ({small:.2g} x on 2 x 2 taxels), a program of your own "
+        f"{_ratio(of, 8):.2g} x."
     )
-    return Section("touch", "6. Touch", answer, _text(of), rows)
+    return Section("touch", "Touch", answer, _text(of), rows)
 
 
 def _ratio(of: dict[Any, Any], side: int) -> float:

@@ -33,12 +33,12 @@ def section(cases: int) -> Section:
     table = [{"template": name, **asdict(row)} for name, rows in found.items() for row in rows]
     costs = _costs(found)
     answer = (
-        f"Transients: three digits cost {costs[1e-3] / costs['binary']:.2g} x the evaluations of binary outputs, six "
-        f"{costs[1e-6] / costs['binary']:.2g} x (medians over eight templates, the best setting for each)."
+        f"Three digits cost {costs[1e-3] / costs['binary']:.2g} x the evaluations of binary outputs, six digits "
+        f"{costs[1e-6] / costs['binary']:.2g} x. These are medians over eight templates."
     )
     return Section(
-        "transients", "1. Transients", answer, _text(found, tries, hand), table,
-        lambda figure: _draw(figure, found), (13.0, 22.0),
+        "transients", "Transients", answer, _text(found, tries, hand), table,
+        lambda figure: _draw(figure, found), (12.0, 6.4), _SEE,
     )  # fmt: skip
 
 
@@ -61,18 +61,24 @@ def _costs(found: dict[str, list[PrecisionRow]]) -> dict[Any, float]:
 
 
 def _draw(figure: Any, found: dict[str, list[PrecisionRow]]) -> None:
-    axes = figure.subplots(len(found), 2)
-    for (name, rows), (left, right) in zip(found.items(), axes, strict=True):
-        draw(rows, left, "evaluations", name)
-        draw(rows, right, "seconds", name)
-        left.set_ylim(1e-15, 30)
-        right.set_ylim(1e-15, 30)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, fontsize=8, ncols=4, loc="outside upper center"
-    )  # outside the axes, not over the curves
+    panels = figure.subplots(2, -(-len(found) // 2), sharex=True, sharey=True, squeeze=False).ravel()
+    for (name, rows), axes in zip(found.items(), panels, strict=False):
+        draw(
+            [row for row in rows if row.backend == "cpu" and (row.dtype, row.scheme) in _SHOWN],
+            axes,
+            "evaluations",
+            name,
+        )
+        axes.set_ylim(1e-15, 30)
+        axes.label_outer()
+    figure.legend(*panels[0].get_legend_handles_labels(), fontsize=9, ncols=5, loc="outside upper center")
 
 
+_SEE = (
+    "The lines fall with the order of the scheme. Only rk4 reaches six digits within 1000 evaluations, in three of the "
+    "eight templates. In float32 the error stays above 1e-8."
+)
+_SHOWN = {("float64", scheme) for scheme in ("euler", "exponential-euler", "heun", "rk4")} | {("float32", "rk4")}
 _SCHEMES = ("euler", "exponential-euler", "heun", "rk4")
 
 _TRUTH = """\

@@ -9,8 +9,8 @@ from tests.benchmarks.scaling import grids, rates
 
 HEAD = """# Scaling: from 2 x 2 taxels to grids that outgrow a machine
 
-Written by `make scaling`; all times are of one machine. [scale.md](scale.md) says how to run large grids and sweeps
-on a laptop or a cluster.
+`make scaling` measures this page again. Times are of one machine, so look at the ratios. [scale.md](scale.md) says how
+to run large grids and sweeps on a laptop or a cluster.
 """
 
 

@@ -82,12 +82,13 @@ def section(side: int) -> Section:
         _row("hole filling against a wave of as many steps", side, filled / 2, 2 * parts / filled),
     ]
     answer = (
-        f"Grids: at {side} x {side} two workers, from and to the disk, reach {whole / parts:.2f} of the rate of one "
-        "process with both cores in memory."
+        f"At {side} x {side} cells two workers that read and write the disk reach {whole / parts:.2f} of the rate "
+        "of one process in memory."
     )
-    return Section("grids", "2. Grids on the disk", answer, _text(rows), rows, lambda f: _draw(f, rows), (7, 3.6))
+    return Section("grids", "Grids on the disk", answer, _text(rows), rows, lambda f: _draw(f, rows), (8, 2.6), _SEE)
 
 
+_SEE = "The cost of a cell-step falls with the size, because reading and writing take a smaller share."
 _TEXT = """\
 256 Euler steps of nine taps in float32 (hole filling: 512) on two workers that are started already, in supersteps over
 a Zarr store, from a picture in a Zarr array. *ratio*: what the line's name says; of the smaller grid, its cost of a

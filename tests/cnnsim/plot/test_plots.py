@@ -122,7 +122,7 @@ def test_outputs_of_a_program_are_a_strip_of_pictures_and_numbers() -> None:
     pictures = sum(np.ndim(value) == 2 for value in outputs.values())
     assert html.count("<img") == pictures
     assert "objects" in html
-    assert "duration" in repr(cnnsim.explain("hole-filler", PICTURE))  # the plan as text
+    assert "guaranteed time" in repr(cnnsim.explain("hole-filler", PICTURE))  # the plan as text
 
 
 def test_html_of_strange_names_is_text() -> None:
