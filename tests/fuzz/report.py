@@ -18,6 +18,7 @@ import click
 
 from cnnsim.support.command_line import watched
 from cnnsim.support.files import write_text
+from tests.fuzz.answers import answers, draw
 from tests.fuzz.cable import BURST, BYTE, judge
 from tests.fuzz.hostile_files import hostile_files
 from tests.fuzz.test_broken_files import NAMES
@@ -36,6 +37,10 @@ LIMITS = {
     "lowiek": "no checksum, no counter: a changed word is a false frame; a first and a last word of AAAA look the same",
 }
 
+SEE = (
+    "Each bar is a format. Formats with a CRC or a sum let almost no damaged packet through, the others up to a third."
+)
+"""What the figure shows."""
 ABOUT = {
     "False frames over a bad cable": f"""\
 The cable: each byte with probability {BYTE:g} is changed in one bit (half of the faults), lost (a quarter) or followed
@@ -180,12 +185,20 @@ def main(
         "Kills": lambda: repeated("kill", kills),
         "Unplugging": lambda: repeated("unplug", unplugs),
     }
-    parts = sections(output.read_text(encoding="utf-8")) if only and output.exists() else {}
+    parts: dict[str, str] = sections(output.read_text(encoding="utf-8")) if only and output.exists() else {}
     for title, make in makers.items():
         if not only or title in only:
             parts[title] = section(title, make)
-    text = f"# Reliability\n\nWritten by `make endurance`.\n\n{machine()}.\n"
-    write_text(output, text + "".join(f"\n## {title}\n{parts[title]}" for title in makers if title in parts))
+    write_text(output, page(parts, output, machine()))
+
+
+def page(parts: dict[str, str], output: Path, where: str) -> str:
+    """Return the page: the answers, a figure next to ``output``, and the parts."""
+    text = f"# Reliability\n\n`make endurance` measures this page again. It ran on: {where}.\n\n{answers(parts)}"
+    if cable_part := parts.get("False frames over a bad cable"):
+        draw(cable_part, output.with_name(f"{output.stem}.png"))
+        text += f"\n{SEE}\n\n![False frames a damaged packet, by format]({output.stem}.png)\n"
+    return text + "".join(f"\n## {title}\n{parts[title]}" for title in ABOUT if title in parts)
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ def write_page(
 
 def front(files: Path, page: str, head: str, order: Sequence[str]) -> str:
     """Return the front page: the answer of each section with a link to its page, and the first figure."""
-    lines, figure = [head], []
+    lines, figure = [head], list[str]()
     for stem in order:
         if not (files / f"{stem}.md").exists():
             continue
