@@ -148,9 +148,9 @@ def _costs(rows: list[dict[str, Any]], family: str, way: str) -> dict[float, flo
 
 _TEXT = """\
 **Ways to sum.** Random tractions on the taxels' own grid, n x n loads on n x n taxels, against the formula in 80
-bits. The direct sum and the transforms agree to rounding; the scene takes the fastest and says which
-(`tactile explain`). float32, in the same formula in NumPy, keeps six digits and takes {single:.2g} x the time of
-float64 (median); a scene takes float64 unless it asks for less.
+bits. The direct sum and the transforms agree to rounding. The scene takes the fastest and says which
+(`tactile explain`). The same formula in NumPy in float32 keeps six digits and takes {single:.2g} x the time of float64
+(median). A scene takes float64 unless it asks for less.
 
 | loads x taxels | {ways} |
 {table}
