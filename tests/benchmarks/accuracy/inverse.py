@@ -114,8 +114,8 @@ def _one(at: Floats, strain: Floats) -> Floats:
 
 _TEXT = """\
 **Form.** For the same signals, taken as exact, the root of eq. (4) in 50 digits is the truth. The printed form
-subtracts two nearly equal numbers right above the taxel and divides 0 by 0 on the ring rho = sqrt(2) z. The stable form,
-whose sums have terms of one sign, costs the same and is off by at most {stable32:.0e} in float32 and
+subtracts two nearly equal numbers right above the taxel and divides 0 by 0 on the ring rho = sqrt(2) z. The stable
+form, whose sums have terms of one sign, costs the same and is off by at most {stable32:.0e} in float32 and
 {stable64:.0e} in float64.
 
 **Noise and taxels.** Loads with shear within a depth of the array's middle, {trials} draws a point. The strongest

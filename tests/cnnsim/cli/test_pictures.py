@@ -132,7 +132,7 @@ def test_grey_results_are_saved_without_loss(tmp_path: Path) -> None:
         str(tmp_path / "out"),
     ]
     assert CliRunner().invoke(main, program).exit_code == 0
-    assert [path.suffix for path in (tmp_path / "out").iterdir()] == [".npy"]
+    assert {path.suffix for path in (tmp_path / "out").iterdir()} == {".npy"}
 
 
 def test_states_over_time_are_saved_as_numbers(tmp_path: Path) -> None:
