@@ -112,6 +112,15 @@ class WorkPrecision:
         """Return a dictionary of each run: backend, dtype, scheme, step, error, signs, evaluations, seconds."""
         return [asdict(row) for row in self.rows]
 
+    def _repr_html_(self) -> str:
+        from cnnsim.plot.html import heading, table  # used by notebooks only
+
+        rows = [
+            [f"{value:.3g}" if isinstance(value, float) else str(value) for value in row.values()]
+            for row in self.table()
+        ]
+        return heading(self.title, f"exact state: {self.reference}") + table(rows, list(self.table()[0]))
+
     def plot(self, axes: Axes | None = None, against: str = "seconds") -> Axes:
         """Draw the error against ``against``, "seconds" or "evaluations"; return the axes."""
         from cnnsim.plot.figures import given_or_new  # slow to import

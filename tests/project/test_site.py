@@ -17,6 +17,7 @@ from tests.kits.paths import ROOT
 DOCS = ROOT / "docs"
 PAGES = [path for path in sorted(DOCS.glob("**/*.md")) if "generated" not in path.parts]
 TUTORIALS = [path for path in sorted(DOCS.glob("tutorials/*.md")) if path.stem != "index"]
+TUTORIALS.append(DOCS / "how-to" / "arrays.md")
 GROUPS = {"cnnsim": cnnsim, "tactile": tactile}
 
 

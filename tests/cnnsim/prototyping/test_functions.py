@@ -42,6 +42,7 @@ def test_robustness_is_judged_on_given_pictures() -> None:
 
 def test_accuracy_falls_with_the_step() -> None:
     found = cnnsim.accuracy("diffusion", PICTURE)
+    assert found._repr_html_().count("<tr>") == len(found.rows) + 1
     errors = {row["step"]: row["error"] for row in found.table() if (row["scheme"], row["dtype"]) == ("rk4", "float64")}
     steps = sorted(errors)
     assert len(steps) >= 4
