@@ -17,6 +17,8 @@ SURE = (Validity.INSIDE, Validity.OUTSIDE)
 """Validities of certain positions; others are marked as uncertain."""
 SQUARES = 16
 """Largest number of taxels per side that are drawn one by one; larger arrays are a map of the strongest frame."""
+ARROWS = 16
+"""Largest number of arrows per side; larger arrays show means of blocks."""
 REACH = 0.85
 """Length of the longest arrow over the distance of neighbouring arrows."""
 MARGIN = 1.2
@@ -56,7 +58,7 @@ class Plane:
     @property
     def block(self) -> int:
         """Side of the blocks of taxels of which arrows show the mean."""
-        return -(-max(self.array.shape) // SQUARES)
+        return -(-max(self.array.shape) // ARROWS)
 
     @property
     def normal(self) -> Floats:

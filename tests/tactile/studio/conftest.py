@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tactile import FrameReport, Settings, open_source, run
+from tactile import Settings, open_source
+from tactile.pipeline import FrameReport, run
 from tactile.studio import PAGE
 from tactile.studio.feed import Feed
 from tactile.studio.model import ArrayModel

@@ -8,8 +8,9 @@ import pytest
 
 from cnnsim.studio.message import Message, pack
 from cnnsim.support import InputError
-from tactile import Settings, Threshold, open_source, run
+from tactile import Settings, Threshold, open_source
 from tactile.events.code import hand_code
+from tactile.pipeline import run
 from tactile.studio import feed as feeds
 from tactile.studio.feed import Feed
 from tactile.studio.model import SPAN, ArrayModel
