@@ -15,6 +15,8 @@ COLOURS = {
 """Colours of the shipped kinds of events, which colour-blind readers can distinguish."""
 OWN = "#0072b2"
 """Colour of kinds made by users' detectors."""
+MINOR = ("load", "hold", "pull")
+"""Kinds that a view labels only in remaining space."""
 ROWS = 12
 """Largest number of rows; further kinds are counted in the title."""
 ROW = 0.26
