@@ -57,6 +57,8 @@ class Backend(Protocol):
 
     name: str
     dtype: np.dtype[Any]
+    fuses: bool = False
+    """Whether its compiled routines have steps, cellwise operations, and registers of batches."""
 
     def load(self, values: Array, memory: Memory, *, copy: bool = True) -> Plane:
         """Return an array as a plane; values above 0 are black in an LLM.
@@ -147,10 +149,22 @@ class Stepper(Protocol):
     """Steps of one transient on a backend; `driver.run` decides when to take and check them.
 
     ``work`` estimates the weighted neighbours summed in one step; steps are best taken in multiples of ``together``.
+    ``few``: the most steps of the first slice: on a busy machine each step can wait milliseconds for its threads.
+    ``checks``: the most checks in one call of `settle`, 0 where the stepper has no `settle`.
     """
 
     work: float
     together: int = 1
+    few: int = 256
+    checks: int = 0
+
+    def settle(self, step: int, count: int, *, last: bool) -> tuple[int, Check]:
+        """Take ``count`` steps with their checks, or those until the network has settled.
+
+        Return the steps taken and the check at their end, or the last one before it. ``last``: check the end too.
+        """
+        self.advance(step, count)
+        return count, self.check_settled(step + count, last=last)
 
     def start_span(self, step: int) -> None:
         """Use the input and bias of this step from now on; does nothing if both are constant."""

@@ -10,9 +10,6 @@ from cnnsim.backends.base import Outcome, Stepper
 from cnnsim.backends.slices import Pace
 from cnnsim.planning.plan import Plan
 
-FEW = 256
-"""The most steps of the first slice: on a busy machine each step can wait milliseconds for its threads."""
-
 
 def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = None) -> Outcome:
     """Run a transient to its end.
@@ -23,7 +20,9 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
     Arguments: ``spans`` are (first step, steps) in which input and bias are constant, None for one span.
     """
     settling, every = plan.duration == "settled", plan.check_every
-    pace, rate = Pace(plan, stepper.work, stepper.together, FEW), math.nan
+    if settling and stepper.checks:
+        return _settle(plan, stepper)
+    pace, rate = Pace(plan, stepper.work, stepper.together, stepper.few), math.nan
     for first, count in [(0, plan.steps)] if spans is None else list(spans) or [(0, 0)]:
         stepper.start_span(first)
         step, end = first, first + count
@@ -48,3 +47,16 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
         return Outcome(stepper.finish(), float(plan.duration), False, math.nan)
     check = stepper.check_settled(plan.steps, last=True)
     return Outcome(stepper.finish(), plan.steps * plan.step, check.settled, check.rate, check.saturated)
+
+
+def _settle(plan: Plan, stepper: Stepper) -> Outcome:
+    """Run a transient to its end with a stepper that checks by itself."""
+    step, pace = 0, Pace(plan, stepper.work, stepper.together, stepper.few)
+    while True:
+        count = min(plan.steps - step, pace.left, stepper.checks * plan.check_every)
+        taken, check = stepper.settle(step, count, last=step + count == plan.steps)
+        step += taken
+        if check.settled or step == plan.steps:
+            pace.over()
+            return Outcome(stepper.finish(), step * plan.step, check.settled, check.rate, check.saturated)
+        pace.turn(step, check.rate)

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
 
+from cnnsim.operations.cellwise import Cellwise
+
 
 class Op(IntEnum):
     """Operations: ``to``, ``p``, ``q`` are numbers of planes or registers, ``by`` is a constant of the instruction.
@@ -17,7 +19,9 @@ class Op(IntEnum):
     of the LAM plane p, ``SHADE`` (by a number, above 0 is black), ``SHADE_BY`` the register p. LAM planes: ``VALUES``
     of the LLM plane p, ``CONSTANT`` (by a number), ``CONSTANT_BY`` the register p, ``SETTLE`` from state p with input q
     (by a plan in closed form), ``CLIP`` of p. Registers: ``COUNT``, ``ANY``, ``ALL`` of the LLM plane p, ``NUMBER`` (by
-    a whole number), ``ADD``, ``SUBTRACT``, ``MULTIPLY``, ``LESS`` of p and q.
+    a whole number), ``ADD``, ``SUBTRACT``, ``MULTIPLY``, ``LESS`` of p and q. Only of backends with `Backend.fuses`:
+    ``STEPS`` from LAM plane p with input q (by a stepped plan; of a settled end only the output counts), ``CELLWISE``
+    (by a `FusedCellwise`).
     """
 
     LOGIC = 0
@@ -38,6 +42,8 @@ class Op(IntEnum):
     SUBTRACT = 15
     MULTIPLY = 16
     LESS = 17
+    STEPS = 18
+    CELLWISE = 19
 
 
 class Instruction(NamedTuple):
@@ -48,6 +54,15 @@ class Instruction(NamedTuple):
     p: int = 0
     q: int = 0
     by: Any = None
+
+
+class FusedCellwise(NamedTuple):
+    """A cellwise operation on numbered LAM planes."""
+
+    operation: Cellwise
+    of: tuple[int, ...]
+    to: tuple[int, ...]
+    parameters: tuple[float, ...]
 
 
 class Stores(NamedTuple):

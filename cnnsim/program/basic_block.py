@@ -1,7 +1,7 @@
-"""Basic blocks of a program: steps without a branch or a time loop, translated into one routine.
+"""Basic blocks of a program: steps without a branch, translated into one routine.
 
-Logic, neighbourhoods, closed forms, wires and registers become instructions on numbered planes; cellwise steps,
-transients with a time loop, and steps that repeat or branch stay as they are.
+Logic, neighbourhoods, closed forms, wires and registers become instructions on numbered planes; where the backend fuses
+them, so do cellwise steps, transients with a time loop, and repeated steps. Other steps stay as they are.
 """
 
 from collections.abc import Callable
@@ -9,17 +9,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from cnnsim.operations.bitwise import BitRule
-from cnnsim.operations.routine import Instruction, Op, Routine, Stores
+from cnnsim.operations.routine import FusedCellwise, Instruction, Op, Routine, Stores
 from cnnsim.planning.plan import Plan
 from cnnsim.program.liveness import reads_and_writes
 from cnnsim.program.numbering import numbered
 from cnnsim.program.program import (
+    CellwiseStep,
     CopyStep,
     FillStep,
     LogicStep,
     NumberStep,
     Program,
     ProgramMemory,
+    RepeatStep,
     Step,
     TemplateStep,
     WireStep,
@@ -32,8 +34,11 @@ _NUMBERS = {"add": Op.ADD, "subtract": Op.SUBTRACT, "multiply": Op.MULTIPLY, "le
 _FILLS = {"llm": (Op.SHADE, Op.SHADE_BY), "lam": (Op.CONSTANT, Op.CONSTANT_BY)}
 _MEMORIES: tuple[ProgramMemory, ...] = ("llm", "lam", "wire")
 
+MOST_REPEATED = 64
+"""Instructions of a repeated step in a routine, all rounds counted."""
+
 Direct = Callable[[TemplateStep], BitRule | Plan | None]
-"""Returns the rule of a template step, or its plan with a closed form; None if it needs a time loop."""
+"""Returns the rule of a template step, or its plan; None if it has no instruction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +61,16 @@ class BasicBlock:
 
 
 def basic_blocks(
-    program: Program, steps: tuple[Step, ...], shape: tuple[int, ...], direct: Direct
+    program: Program, steps: tuple[Step, ...], shape: tuple[int, ...], direct: Direct, *, fuses: bool = False
 ) -> list[BasicBlock | Step]:
-    """Return the steps of a program, or of one of its loops or branches, in their order, grouped into basic blocks."""
+    """Return the steps of a program, or of one of its loops or branches, in their order, grouped into basic blocks.
+
+    ``fuses`` as `Backend.fuses`.
+    """
     found: list[BasicBlock | Step] = []
     group: list[Step] = []
     for step in (*steps, None):
-        if step is not None and _has_instructions(program, step, shape, direct):
+        if step is not None and _has_instructions(program, step, shape, direct, fuses):
             group.append(step)
             continue
         if group:
@@ -74,16 +82,25 @@ def basic_blocks(
     return found
 
 
-def _has_instructions(program: Program, step: Step, shape: tuple[int, ...], direct: Direct) -> bool:
+def _has_instructions(
+    program: Program, step: Step, shape: tuple[int, ...], direct: Direct, fuses: bool
+) -> bool:  # fmt: skip
     match step:
         case TemplateStep():
             return direct(step) is not None
         case LogicStep() | CopyStep():
             return True
         case FillStep(value=value, to=to):  # n grids have registers of their own
-            return len(shape) == 2 or not (isinstance(value, str) or program.memory[to] == "wire")
-        case WireStep() | NumberStep():
+            return fuses or len(shape) == 2 or not (isinstance(value, str) or program.memory[to] == "wire")
+        case WireStep():
+            return fuses or len(shape) == 2
+        case NumberStep():
             return len(shape) == 2
+        case CellwiseStep(operation=operation):
+            return fuses and bool(operation.opencl)
+        case RepeatStep(times=times, do=do):
+            few = times * len(do) <= MOST_REPEATED
+            return fuses and few and all(_has_instructions(program, one, shape, direct, fuses) for one in do)
     return False
 
 
@@ -91,12 +108,12 @@ def _block(program: Program, steps: tuple[Step, ...], shape: tuple[int, ...], di
     writer = _Writer(program, direct)
     for step in steps:
         writer.add(step)
-    inside = set(map(id, steps))
+    inside = {id(step) for _, step in numbered(steps)}
     read = {*program.outputs, *program.keep, *(name for names in writer.takes.values() for name in names)}
     for _, step in numbered(program.steps):
         if id(step) not in inside:
             read |= reads_and_writes(step)[0]
-    wrote: dict[str, None] = dict.fromkeys(step.to for step in steps)  # type: ignore[union-attr,misc]  # one name each
+    wrote = writer.wrote
     gives = {
         memory: [name for name in wrote if program.memory[name] == memory and name in read] for memory in _MEMORIES
     }
@@ -118,11 +135,24 @@ class _Writer:
         self.sizes: dict[ProgramMemory, int] = dict.fromkeys(_MEMORIES, 0)
         self.takes: dict[ProgramMemory, dict[str, int]] = {memory: {} for memory in _MEMORIES}
         self.place: dict[str, int] = {}
+        self.wrote: dict[str, None] = {}
 
     def add(self, step: Step) -> None:
         """Append the instructions of a step."""
         memory, of = self._memory, self._find
         match step:
+            case RepeatStep(times=times, do=do):
+                for one in do * times:
+                    self.add(one)
+                return
+            case CellwiseStep(operation=operation, of=names, to=results, parameters=parameters):
+                given = tuple(map(of, names))
+                made = tuple(self._new("lam") for _ in results)
+                fused = FusedCellwise(operation, given, made, parameters)
+                self.instructions.append(Instruction(Op.CELLWISE, made[0], given[0], by=fused))
+                self.place.update(zip(results, made, strict=True))
+                self.wrote.update(dict.fromkeys(results))
+                return
             case TemplateStep(to=to):
                 self.place[to] = self._template(step)
             case LogicStep(function=function, p=p, q=q, to=to):
@@ -146,6 +176,7 @@ class _Writer:
             case NumberStep(function=function, of=numbers, to=to):
                 a, b = (of(n) if isinstance(n, str) else self._put("wire", Op.NUMBER, by=n) for n in numbers)
                 self.place[to] = self._put("wire", _NUMBERS[function], a, b)
+        self.wrote[step.to] = None  # type: ignore[union-attr]  # one name each
 
     def _template(self, step: TemplateStep) -> int:
         direct, u = self._direct(step), step.input
@@ -153,7 +184,8 @@ class _Writer:
             assert isinstance(u, str)  # a rule has an input plane
             return self._put("llm", Op.NEIGHBOURHOOD, self._find(u), by=(direct, step.boundary))
         x = self._values(step.state)
-        end = self._put("lam", Op.SETTLE, x, x if u is None else self._values(u), direct)
+        op = Op.STEPS if isinstance(direct, Plan) and direct.method == "stepped" else Op.SETTLE
+        end = self._put("lam", op, x, x if u is None else self._values(u), direct)
         llm = self._memory[step.to] == "llm"
         return self._put("llm", Op.BLACK_ABOVE, end) if llm else self._put("lam", Op.CLIP, end)
 

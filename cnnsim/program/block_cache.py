@@ -6,12 +6,14 @@ from dataclasses import replace
 from cnnsim import library
 from cnnsim.backends.base import Backend
 from cnnsim.network import CHUA_YANG
+from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule, bit_rule
 from cnnsim.operations.routine import Stores
 from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.program.basic_block import BasicBlock, basic_blocks
 from cnnsim.program.numbering import numbered
 from cnnsim.program.program import Program, Step, TemplateStep
+from cnnsim.solver.verify_settled import is_neutral
 
 Compiled = Callable[[Stores], Stores | None]
 """See `Backend.prepared`."""
@@ -64,19 +66,29 @@ class BlockCache:
             parts: list[Part] = [
                 (self.backend.prepared(part.routine), part) if isinstance(part, BasicBlock) else (None, part)
                 for part in basic_blocks(
-                    program, steps, shape, lambda step: self.templates.rule(program, step) or self._closed(step, shape)
+                    program,
+                    steps,
+                    shape,
+                    lambda step: self.templates.rule(program, step) or self._alone(step, shape),
+                    fuses=self.backend.fuses,
                 )
             ]
             found = self._found[id(steps), shape] = steps, parts
         return found[1]
 
-    def _closed(self, step: TemplateStep, shape: tuple[int, ...]) -> Plan | None:
-        """Return the plan of a step with a closed form that needs only state and input, else None."""
-        alone = step.bias is None and step.mask is None and step.accuracy is None and step.duration == "settled"
-        if not (alone and step.template.linear):
+    def _alone(self, step: TemplateStep, shape: tuple[int, ...]) -> Plan | None:
+        """Return the plan of a step with an instruction, which needs only state and input, else None."""
+        alone = step.bias is None and step.mask is None and step.accuracy is None and step.template.linear
+        if not alone or (step.duration != "settled" and not self.backend.fuses):
             return None
         plan = self.templates.plan(step, shape)
-        return plan if plan.method == "closed form" else None
+        if plan.method == "closed form":
+            return plan if step.duration == "settled" else None
+        if not self.backend.fuses or plan.method != "stepped" or plan.cell != "chua-yang":
+            return None
+        one_stage = plan.scheme is not None and len(plan.scheme.b) == 1 and step.cell.output == CLIP
+        ends = step.duration != "settled" or (plan.saturation_ends and not is_neutral(plan))
+        return plan if one_stage and ends else None
 
 
 def rule_of(program: Program, step: TemplateStep) -> BitRule | None:

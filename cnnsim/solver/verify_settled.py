@@ -27,7 +27,7 @@ def verify_settled(
     Arguments: planes of the backend, as `Backend.transient` takes them. The ``x`` of the ending is None where the state
     stays as it is.
     """
-    ends = not outcome.rate if plan.cell == "discrete-time" else outcome.saturated and not _is_neutral(plan)
+    ends = not outcome.rate if plan.cell == "discrete-time" else outcome.saturated and not is_neutral(plan)
     if ends or outcome.rate > 1.001 * SETTLED_RATE:  # float32 may miss the rate by that
         return outcome, Ending(None, outcome.t, 0.0, _NO_CELL, "no output can change")
     if plan.method == "closed form":
@@ -65,6 +65,6 @@ def verify_settled(
     return Outcome(backend.load(ending.x, "lam"), ending.t, settled, rate), ending
 
 
-def _is_neutral(plan: Plan) -> bool:
+def is_neutral(plan: Plan) -> bool:
     """Return whether equal outputs drive each other by 1, so that rounding decides whether they stay saturated."""
     return plan.method == "stepped" and abs(float(plan.template.A.sum()) - 1.0) < _NEUTRAL

@@ -4,7 +4,7 @@ From `OpenCLBackend.transient` to the launch of a kernel: `driver.run`, ``advanc
 templates, one-stage schemes) or network_steps.py (all others), and `DeviceContext.enqueue`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 from weakref import finalize
 
@@ -27,6 +27,7 @@ from cnnsim.backends.opencl.device.context import device_context
 from cnnsim.backends.opencl.device.devices import Family, choose_device, family_of, has_float64, title
 from cnnsim.backends.opencl.linear_steps import DeviceLinearSteps
 from cnnsim.backends.opencl.network_steps import DeviceDiscreteSteps, LinearStageSteps, NetworkSteps
+from cnnsim.backends.opencl.patch_steps import PatchSteps
 from cnnsim.backends.opencl.planes import (
     WORD,
     DevicePlane,
@@ -37,10 +38,12 @@ from cnnsim.backends.opencl.planes import (
     new_plane,
     words_of,
 )
+from cnnsim.backends.opencl.routine import DeviceRoutine, fits
 from cnnsim.network import Boundary, Characteristic
 from cnnsim.network.characteristic import CLIP
 from cnnsim.operations.bitwise import BitRule
 from cnnsim.operations.cellwise import Cellwise
+from cnnsim.operations.routine import Routine, Stores
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array, InputError
 
@@ -55,6 +58,7 @@ class OpenCLBackend(Backend):
     """
 
     name = "opencl"
+    fuses = True
 
     def __init__(
         self, dtype: DTypeLike | None = None, device: int | str | None = None, family: Family | None = None
@@ -94,8 +98,13 @@ class OpenCLBackend(Backend):
             finalize(array, id, plane.buffer).atexit = False  # its memory is in use as long as the array
             return array
         row = words_of(plane.shape[-1]) * 8 if words else plane.shape[-1]
-        host = np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)
-        self._context.read(plane.buffer, host)
+        host = plane.host
+        if host is None:
+            host = self._context.read(
+                plane.buffer, np.empty((*plane.shape[:-1], row), np.uint8 if words else self.dtype)
+            )
+        elif not words:
+            host = host.copy()
         return np.unpackbits(host, axis=-1, count=plane.shape[-1], bitorder="little").astype(bool) if words else host
 
     def convert(self, plane: DevicePlane, memory: Memory) -> DevicePlane:
@@ -130,7 +139,8 @@ class OpenCLBackend(Backend):
             else:
                 assert plan.scheme is not None
                 w = control(context, plan, grid, u, bias)
-                steps = DeviceLinearSteps if len(plan.scheme.b) == 1 else LinearStageSteps
+                by_tiles = DeviceLinearSteps if context.family == "cpu" else PatchSteps
+                steps = by_tiles if len(plan.scheme.b) == 1 else LinearStageSteps
                 outcome = driver.run(plan, steps(context, plan, grid, LinearPlanes(x.buffer, w, black)))
             state = x if outcome.x is x.buffer else DevicePlane(outcome.x, x.shape, "lam")  # no step was taken, or some
             if plan.method != "closed form":
@@ -180,6 +190,12 @@ class OpenCLBackend(Backend):
                 return totals
             parts = launch(context, "count_black", words, plane.buffer, context.partial, np.int64(words))
             return int(context.parts(parts, np.dtype(np.uint64)).sum())
+
+    def prepared(self, routine: Routine) -> Callable[[Stores], Stores | None] | None:
+        if not fits(routine, self._context.family):
+            return None
+        compiled = DeviceRoutine(self._context, routine)
+        return compiled if compiled.fits else None
 
 
 BACKEND = OpenCLBackend

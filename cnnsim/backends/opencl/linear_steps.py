@@ -1,4 +1,4 @@
-"""Steps of a linear template by a one-stage scheme: tile by tile, several steps a launch; sleeping tiles."""
+"""Steps of a linear template by a one-stage scheme on a CPU: tile by tile, several steps a launch; sleeping tiles."""
 
 from typing import Any
 
@@ -18,14 +18,14 @@ ASLEEP, COASTING, AWAKE = range(3)
 class DeviceLinearSteps(CheckedSteps):
     """Steps x += gain (A*y + w - x) from a state that is not overwritten; launches write to two planes alternately.
 
-    With the saving "sleep" a CPU skips tiles in which no output can change (see sleep.cl). The first two launches
+    With the saving "sleep" it skips tiles in which no output can change (see sleep.cl). The first two launches
     step all tiles, because each of the two planes has to be filled once.
     """
 
     def __init__(self, context: DeviceContext, plan: Plan, grid: DeviceGrid, planes: LinearPlanes) -> None:
         super().__init__(context, plan, grid, planes)
         assert plan.scheme is not None
-        self._sleeps = "sleep" in plan.savings and context.family == "cpu"
+        self._sleeps = "sleep" in plan.savings
         self._tiles = tiles = cut(context, grid, plan, small=self._sleeps)
         self._planes: list[Buffer] = []
         self._launches, self._last_steps = 0, 0
@@ -38,8 +38,7 @@ class DeviceLinearSteps(CheckedSteps):
             "GAIN": literal(plan.scheme.gain(plan.step) * plan.scheme.b[0], context.dtype),
             **tiles.defines,
         }
-        stems = {"cpu": "boundary sleep block rows cpu", "gpu": "boundary gpu"}[context.family]
-        self._kernel = context.kernel("steps", stems, defines)
+        self._kernel = context.kernel("steps", "boundary sleep block rows cpu", defines)
         self.together = tiles.steps
 
     def advance(self, step: int, count: int) -> None:
@@ -69,8 +68,6 @@ def _fewer_loads(context: DeviceContext, plan: Plan) -> Defines:
 
     Isotropic templates share sums in float32 only: float64 keeps the reference's order of sums.
     """
-    if context.family != "cpu":
-        return {}
     if "shared sums" in plan.savings and context.dtype == np.float32:
         names = {"CENTRE": (1, 1), "EDGE": (0, 1), "CORNER": (0, 0)}
         A: Any = plan.template.A

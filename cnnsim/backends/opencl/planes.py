@@ -1,7 +1,7 @@
 """Planes on the device: numbers or bits, their shape as kernel arguments, and kernels of per-cell operations."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,13 +56,16 @@ class LinearPlanes(NamedTuple):
 class DevicePlane:
     """A plane on the device: numbers (LAM), or bits in 64-bit words, each row beginning a new word (LLM).
 
-    ``callers``: it is in an array of the caller.
+    ``callers``: it is in an array of the caller; ``host``: its copy on the host, rows of numbers or bytes; ``whole``:
+    the buffer that it is a part of.
     """
 
     buffer: Buffer
     shape: tuple[int, ...]
     memory: Memory
     callers: bool = False
+    host: Any = field(default=None, compare=False, repr=False)
+    whole: Any = field(default=None, compare=False, repr=False)
 
     @property
     def grid(self) -> DeviceGrid:

@@ -1,4 +1,4 @@
-"""Tiles of a grid that fit a core's cache or a GPU's local memory, for steps of a one-stage scheme."""
+"""Tiles of a grid that fit a core's cache, for steps of a one-stage scheme on a CPU."""
 
 from typing import Any, NamedTuple
 
@@ -7,7 +7,6 @@ import pyopencl as cl
 
 from cnnsim.backends.opencl.device.build import Defines
 from cnnsim.backends.opencl.device.context import DeviceContext
-from cnnsim.backends.opencl.device.devices import family_of
 from cnnsim.backends.opencl.planes import DeviceGrid
 from cnnsim.backends.slices import PIECE
 from cnnsim.network import reach
@@ -21,12 +20,10 @@ SMALL_ROWS = 32
 """Rows of a tile that may sleep."""
 SCRATCH = 1 << 19
 """The most bytes of a tile's rows on a CPU: half of a second-level cache of 1 MiB."""
-LOCAL_BYTES = 48 * 1024
-"""Local memory of a work-group on a GPU that every device offers."""
 QUICK = 4
 """Sums that the steps of tiles do in the time of one elsewhere, since they read from the cache."""
 
-_STEPS = {"cpu": (24, 24, 8, 4, 2), "gpu": (4, 4, 2, 1, 1)}
+_STEPS = 24, 24, 8, 4, 2
 """The most steps a launch for radius 0, 1, 2, 3 and more."""
 
 
@@ -54,11 +51,11 @@ def cut(context: DeviceContext, grid: DeviceGrid, plan: Plan, *, small: bool = F
     radius, steps = reach((tap.k, tap.l) for tap in plan.feedback_taps), 1
     if "blocking" in plan.savings:
         steps = min(plan.steps, plan.check_every) if plan.duration == "settled" else plan.steps
-    most = _STEPS[context.family][min(radius, 4)]
+    most = _STEPS[min(radius, 4)]
     launches = -(-steps // most)
     if 0 < launches <= 4:  # only longer runs need wider halos; from there on they share a kernel
         most = -(-steps // launches)
-    tiles = (_bands if context.family == "cpu" else _squares)(context, grid, plan, radius, most, small)
+    tiles = _bands(context, grid, plan, radius, most, small)
     launches = -(-steps // tiles.steps)
     return tiles._replace(steps=-(-steps // launches)) if launches else tiles
 
@@ -112,22 +109,3 @@ def _bands(
 def _whole(length: int, parts: int, unit: int) -> int:
     """Return the length of each of ``parts`` parts, a multiple of the unit."""
     return -(-length // (parts * unit)) * unit
-
-
-def _squares(context: DeviceContext, grid: DeviceGrid, plan: Plan, radius: int, most: int, small: bool) -> Tiles:
-    (grids, rows, cols), halo = grid, most * radius
-    limit = min(LOCAL_BYTES, context.device.local_mem_size)
-    best: tuple[float, int, int] = (0.0, 0, 0)
-    on_gpu = family_of(context.device) == "gpu"
-    for wide, high in ((64, 64), (64, 32), (32, 32)) if on_gpu else ((32, 16),):  # small where it is only tested
-        bytes_ = 2 * (wide + 2 * radius) * (high + 2 * radius) * context.dtype.itemsize
-        useful = (wide - 2 * halo) * (high - 2 * halo) / (wide * high) if high > 2 * halo else 0.0
-        if bytes_ <= limit and useful > best[0]:
-            best = useful, wide, high
-    _, wide, high = best
-    items = min(512 if radius > 2 else 256 if on_gpu else 128, context.device.max_work_group_size, high * wide)
-    column = high * wide // items  # cells of a work-item
-    across, down = -(-cols // (wide - 2 * halo)), -(-rows // (high - 2 * halo))
-    defines: dict[str, str | int] = {"R": column, "T": most, "HALO": halo, "WIDE": wide, "HIGH": high}
-    numbers = np.array([rows, cols, across, down], np.int32)
-    return Tiles(grids * across * down, most, defines, tuple(numbers), (wide, high // column))

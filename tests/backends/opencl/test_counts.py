@@ -1,15 +1,27 @@
-"""Launches, waits, buffers and bytes of transients and programs: exact numbers, which need no GPU."""
+"""Launches, waits, buffers and bytes of programs: exact numbers, which need no GPU."""
 
 import numpy as np
+import pytest
 
 from cnnsim import UniversalMachine, load_program
-from tests.kits.opencl import OpenCLBackend, counted
+from tests.kits.opencl import FAMILIES, Family, OpenCLBackend, counted
+
+COUNTS = {"opening": (1, 1, 2), "contact-blob": (1, 1, 2), "slip-front": (1, 1, 4), "event-code": (1, 1, 4)}
+"""Launches, waits of the host, and buffers, those of the inputs included."""
 
 
-def test_a_program_of_two_neighbourhoods_waits_once() -> None:
-    backend, picture = OpenCLBackend("float32"), np.random.default_rng(1).random((8, 70)) > 0.5
-    program, machine = load_program("opening"), UniversalMachine(backend)
-    counts = counted(backend, lambda: machine.run(program, **{program.inputs[0]: picture}))
-    words = 8 * 2 * 8
-    assert (counts.launches, counts.waits, counts.buffers) == (2, 1, 3)
-    assert (counts.to_device, counts.from_device) == (words, words)
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("name", COUNTS)
+def test_a_frame_of_a_program_is_one_launch_and_one_wait(name: str, family: Family) -> None:
+    backend, program, rng = OpenCLBackend("float32", family=family), load_program(name), np.random.default_rng(1)
+    for shape in ((8, 8), (50, 8, 8)):
+        planes = {plane: np.where(rng.random(shape) < 0.5, 0.3, -0.3) for plane in program.inputs}
+        ours, law = UniversalMachine(backend), UniversalMachine("reference")
+        for _ in range(2):
+            found, wanted = ours.run(program, **planes), law.run(program, **planes)
+            for output, value in wanted.items():
+                np.testing.assert_array_equal(found[output], value, err_msg=output)
+        counts = counted(backend, lambda planes=planes, ours=ours: ours.run(program, **planes))  # type: ignore[misc]
+        assert (counts.launches, counts.waits, counts.buffers) == COUNTS[name]
+        given = [8 * planes[p].shape[-2] if program.memory[p] == "llm" else 4 * 64 for p in program.inputs]
+        assert counts.to_device == sum(given) * (1 if len(shape) == 2 else shape[0])

@@ -1,4 +1,4 @@
-// Boundary conditions: which cell a virtual cell outside the grid stands for. The tiled steps (cpu.cl, gpu.cl) have ways of
+// Boundary conditions: which cell a virtual cell outside the grid stands for. The tiled steps (cpu.cl, patch.cl) have ways of
 // their own. A boundary works on one axis after the other, so a corner takes both steps.
 
 static inline int wrap(int i, int n)
