@@ -19,9 +19,12 @@ __all__ = [
     "NotSettledError",
     "Program",
     "Result",
+    "Stage",
     "Table",
     "Template",
     "Term",
+    "Training",
+    "TrainingTask",
     "Trajectory",
     "UniversalMachine",
     "__version__",
@@ -43,6 +46,7 @@ __all__ = [
     "run_transient",
     "to_planes",
     "trace",
+    "train",
     "trajectory",
     "write_picture",
 ]
@@ -53,6 +57,8 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from cnnsim.backends.opencl.device.devices import devices
     from cnnsim.convergence import NotSettledError
     from cnnsim.learning.gradient import gradient
+    from cnnsim.learning.stage import Stage
+    from cnnsim.learning.train import Training, TrainingTask, train
     from cnnsim.library.catalogue import run
     from cnnsim.network import (
         PERIODIC,

@@ -20,6 +20,7 @@ from cnnsim.cli.show import show
 from cnnsim.cli.studio import studio
 from cnnsim.cli.sweep import sweep
 from cnnsim.cli.trace import trace
+from cnnsim.cli.train import train
 from cnnsim.support.command_line import CommandGroup
 
 
@@ -48,6 +49,7 @@ for command in (
     sweep,
     new,
     design,
+    train,
     import_,
     export,
     devices,

@@ -1,0 +1,279 @@
+"""Training of templates on pairs of pictures: random starts, L-BFGS-B on the objective, and its record."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from cnnsim.learning.losses import LossName, checked_target
+from cnnsim.learning.objective import Disturbance, Objective, Pair
+from cnnsim.learning.snap import snapped
+from cnnsim.learning.stage import Stage
+from cnnsim.network import Boundary, Template, fixed
+from cnnsim.network.boundary import parse_boundary
+from cnnsim.support import Array, Floats, InputError
+from cnnsim.support.command_files import own_files
+from cnnsim.support.files import write_text
+from cnnsim.support.keywords import spelled_class
+from cnnsim.support.progress import watcher
+from cnnsim.support.values import as_picture, is_number, is_whole
+from cnnsim.transient import run_transient
+
+
+@spelled_class
+@dataclass(frozen=True, eq=False)
+class TrainingTask:
+    """Pairs of pictures, the stages that should turn the first ones into the second ones, and how they are trained.
+
+    ``pairs``: (picture, target) or (picture, target, second picture), of CNN values (rows, cols). ``loss``: see
+    `loss_of`; None is "hinge" if all targets are black or white, else "squares". ``noise`` on the pictures and
+    ``mismatch`` (relative errors of the weights) are sigmas. ``decay`` weighs the sum of squares of the free numbers,
+    ``sparsity`` the sum of their moduli; free numbers lie within +-``largest``. ``starts`` random ones at most, each
+    of at most ``iterations``. The same ``seed`` gives the same templates.
+
+    Raises:
+        InputError: pictures of different sizes, targets beyond +-1, numbers that are not finite or out of range.
+    """
+
+    pairs: Sequence[Sequence[Any]]
+    stages: Sequence[Stage] = (Stage(),)
+    name: str = "trained"
+    boundary: Boundary | str = field(default_factory=lambda: fixed(-1))
+    loss: LossName | None = None
+    noise: float = 0.0
+    mismatch: float = 0.0
+    decay: float = 1e-4
+    sparsity: float = 0.0
+    largest: float = 10.0
+    starts: int = 10
+    iterations: int = 200
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "stages", (self.stages,) if isinstance(self.stages, Stage) else tuple(self.stages))
+        set_(self, "boundary", parse_boundary(self.boundary))
+        set_(self, "pairs", tuple(_pair(number, pair) for number, pair in enumerate(self.pairs, start=1)))
+        if not self.pairs or not self.stages:
+            raise InputError(f"{len(self.pairs)} pairs and {len(self.stages)} stages to train; one or more wanted")
+        for name in ("noise", "mismatch", "decay", "sparsity", "largest"):
+            value = getattr(self, name)
+            if not is_number(value) or not 0 <= value < np.inf:
+                raise InputError(f"{name} {value!r}; a number from 0 up wanted")
+        for name, least in (("starts", 1), ("iterations", 1), ("seed", 0)):
+            value = getattr(self, name)
+            if not is_whole(value) or value < least:
+                raise InputError(f"{name} {value!r}; a whole number from {least} up wanted")
+        if any("given" in (s.input, s.initial_state) for s in self.stages) and any(p.given is None for p in self.pairs):
+            raise InputError(
+                "a stage takes the second picture ('given'), and a pair has none; one for each pair wanted"
+            )
+        targets = np.concatenate([pair.target.ravel() for pair in self.pairs])
+        set_(self, "loss", self.loss or ("hinge" if (np.abs(targets) == 1).all() else "squares"))
+        if self.binary and not 0 < np.mean(targets > 0) < 1:
+            colour = "black" if targets[0] > 0 else "white"
+            raise InputError(f"all cells of all targets are {colour}; black and white ones wanted")
+
+    @property
+    def binary(self) -> bool:
+        """Whether the outputs are black and white."""
+        return self.loss == "hinge"
+
+    @property
+    def digest(self) -> str:
+        """The checksum of all that decides the result."""
+        rest = [repr(value) for name, value in vars(self).items() if name != "pairs"]
+        planes = [
+            plane for pair in self.pairs for plane in (pair.picture, pair.target, pair.given) if plane is not None
+        ]
+        return sha256(b"".join([*map(str.encode, rest), *(plane.tobytes() for plane in planes)])).hexdigest()
+
+
+def _pair(number: int, given: Sequence[Any]) -> Pair:
+    where = f"pair {number}"
+    if not isinstance(given, Sequence | np.ndarray) or len(given) not in (2, 3):
+        raise InputError(f"{where}: {type(given).__name__}; (picture, target) or (picture, target, second one) wanted")
+    planes = [as_picture(f"{where}: picture", given[0]), given[1], *given[2:]]
+    shape = planes[0].shape
+    if len(shape) != 2:
+        raise InputError(f"{where}: picture has shape {shape}; (rows, cols) wanted")
+    target = checked_target(given[1], shape, f"{where}: target")
+    second = checked_target(given[2], shape, f"{where}: second picture") if len(given) == 3 else None
+    if not np.isfinite(planes[0]).all():
+        raise InputError(f"{where}: picture holds numbers that are not finite; CNN values from -1 to 1 wanted")
+    return Pair(np.asarray(planes[0], np.float64), target, second)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Training:
+    """Trained templates, one a stage: ``wrong`` of ``cells`` outputs are of the wrong colour, ``error`` is their RMS.
+
+    ``curve`` has the objective after each iteration of the start that won, ``snapped`` the grid of the weights (0 if
+    they are not on one), ``seconds`` the processor time.
+    """
+
+    task: TrainingTask
+    templates: tuple[Template, ...]
+    wrong: int
+    cells: int
+    error: float
+    curve: tuple[float, ...]
+    starts: int
+    snapped: float
+    seconds: float
+
+    def __repr__(self) -> str:
+        return f"Training({self.task.name!r}, {self.wrong} of {self.cells} cells wrong, {list(self.templates)})"
+
+    def __call__(self, pictures: Array, second: Array | None = None) -> Array:
+        """Return the outputs for pictures (rows, cols) or (n, rows, cols), as the written file gives them."""
+        return outputs(self.task, self.templates, pictures, second)[-1]
+
+    def write(self, folder: Path, *, replace: bool = False) -> list[Path]:
+        """Write a template file, of several stages also a program, and the record of the training; return the paths.
+
+        Raises:
+            InputError: a file is there and not to be replaced, or the folder cannot be written.
+        """
+        from cnnsim.learning.files import write_training
+
+        return write_training(self, folder, overwrite=replace)
+
+
+def outputs(task: TrainingTask, templates: Sequence[Template], picture: Array, second: Array | None) -> list[Array]:
+    """Return the outputs of all stages: settled ones for black and white, else after the stage's duration."""
+    found: list[Array] = []
+    for stage, template in zip(task.stages, templates, strict=True):
+        planes = {"picture": found[-1] if found else picture, "given": second}
+        u, x = (planes[s] if isinstance(s, str) else np.full(np.shape(picture), float(s))
+                for s in (stage.input, stage.initial_state))  # fmt: skip
+        assert x is not None
+        duration = "settled" if task.binary else stage.duration
+        ran = run_transient(
+            template, state=x, input=u, boundary=parse_boundary(task.boundary), duration=duration, dtype="float64"
+        )
+        found.append(ran.y)
+    return found
+
+
+def train(task: TrainingTask, record: Path | None = None) -> Training:
+    """Train templates on pairs of pictures by the gradient of the whole transient, and return the best of all starts.
+
+    A start ends the search if all cells of black and white pictures are right. Their weights are then snapped to as
+    coarse a grid as keeps that and the margin. ``record`` is a file that is written during the training; an unfinished
+    one of the same task is resumed.
+
+    Raises:
+        InputError: the record is of another task.
+    """
+    from scipy.optimize import minimize
+
+    begun, search = process_time(), _Search(task, record)
+    bounds = [(low, task.largest) for low in np.where(search.centre & task.binary, 1.0, -task.largest)]
+    while search.start < task.starts and not (task.binary and search.best and search.best["wrong"] == 0):
+        minimize(
+            search.objective, search.current(), jac=True, method="L-BFGS-B", bounds=bounds, callback=search.after,
+            options={"maxiter": max(1, task.iterations - len(search.curve)), "maxls": 30},
+        )  # fmt: skip
+        search.finish()
+    templates, snapped_to = search.templates(search.best["numbers"]), 0.0
+    if task.binary and search.best["wrong"] == 0:
+        templates, snapped_to = snapped(templates, task.stages, lambda found: search.judge(found)[0] == 0)
+    wrong, error = search.judge(templates)
+    cells = sum(pair.target.size for pair in task.pairs)
+    return Training(task, templates, wrong, cells, error, tuple(search.best["curve"]), search.start, snapped_to,
+                    process_time() - begun)  # fmt: skip
+
+
+class _Search:
+    """The starts so far, the best numbers, and the present ones."""
+
+    def __init__(self, task: TrainingTask, record: Path | None) -> None:
+        assert task.loss is not None
+        self._task, self._record = task, record
+        self.objective = Objective(
+            task.pairs, task.stages, parse_boundary(task.boundary), task.loss, Disturbance(task.noise, task.mismatch),
+            (task.decay, task.sparsity), task.seed,
+        )  # fmt: skip
+        self.centre = np.concatenate([stage.self_feedback for stage in task.stages])
+        self.start, self.curve, self._now = 0, list[float](), list[float]()
+        self.best: dict[str, Any] = {}
+        if record is not None and record.exists():
+            self._resume(record)
+
+    def _resume(self, record: Path) -> None:
+        try:
+            found = json.loads(record.read_text(encoding="utf-8"))
+            if found.get("finished"):
+                return
+            digest = found["task"]
+            self.start, self.curve, self._now, self.best = (found[key] for key in ("start", "curve", "now", "best"))
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"{record} is no record of a training; another folder or name wanted") from error
+        if digest != self._task.digest:
+            raise InputError(f"{record} is the record of another training; another folder or name wanted")
+
+    def current(self) -> Floats:
+        """Return the numbers from which to go on: those of the record, or random ones."""
+        if self._now:
+            return np.array(self._now)
+        rng = np.random.default_rng([self._task.seed, self.start])
+        first = 0.5 * rng.standard_normal(self.centre.size)
+        first = np.where(self.centre & self._task.binary, 1 + np.abs(first), first)
+        in_terms = np.concatenate([stage.in_terms for stage in self._task.stages])
+        return np.clip(np.where(in_terms, 0.0, first), -self._task.largest, self._task.largest)
+
+    def after(self, now: Floats) -> None:
+        """Record an iteration and report the progress."""
+        self.curve.append(self.objective.last)
+        self._now = now.tolist()
+        if (report := watcher()) is not None:
+            task = self._task
+            share = (self.start + len(self.curve) / task.iterations) / task.starts
+            report(min(1.0, share), f"start {self.start + 1}, objective {self.curve[-1]:.3g}")
+        self._save()
+
+    def finish(self) -> None:
+        """Judge the end of a start, and keep it if it is the best."""
+        now = self._now or self.current().tolist()
+        wrong, error = self.judge(self.templates(now))
+        if not self.best or (wrong, error) < (self.best["wrong"], self.best["error"]):
+            self.best = {"wrong": wrong, "error": error, "numbers": now, "curve": self.curve}
+        self.start, self.curve, self._now = self.start + 1, [], []
+        self._save()
+
+    def _save(self) -> None:
+        if self._record is not None:
+            data = {
+                "task": self._task.digest,
+                "start": self.start,
+                "curve": self.curve,
+                "now": self._now,
+                "best": self.best,
+            }
+            with own_files():
+                write_text(self._record, json.dumps(data), replace=True)
+
+    def templates(self, numbers: Sequence[float]) -> tuple[Template, ...]:
+        """Return the templates for all free numbers."""
+        stages, several = self._task.stages, len(self._task.stages) > 1
+        parts = np.split(np.array(numbers), np.cumsum(self.objective.sizes)[:-1])
+        names = [f"{self._task.name}-{n + 1}" if several else self._task.name for n in range(len(stages))]
+        return tuple(s.with_numbers(part, name) for s, part, name in zip(stages, parts, names, strict=True))
+
+    def judge(self, templates: Sequence[Template]) -> tuple[int, float]:
+        """Return how many outputs have the wrong colour (grey: 0), and the root mean square of their errors."""
+        wrong, squares, cells = 0, 0.0, 0
+        for pair in self._task.pairs:
+            try:
+                y = outputs(self._task, templates, pair.picture, pair.given)[-1]
+            except InputError:  # unstable, or not settled
+                y = np.zeros(pair.target.shape)
+            wrong += int((y * pair.target <= 0).sum()) if self._task.binary else 0
+            squares, cells = squares + float(((y - pair.target) ** 2).sum()), cells + y.size
+        return wrong, float(np.sqrt(squares / cells))
