@@ -9,8 +9,8 @@ from cnnsim.library.entry import LibraryEntry
 from cnnsim.network import Template
 from cnnsim.prototyping.robust.margin import margin_of
 
-LEVELS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32)
-"""Tried sizes of the largest weight in steps of the grid, the coarsest first."""
+GRIDS = (*((n, 1.0) for n in range(1, 9)), *((n, 0.5) for n in range(9, 17)), *((n, 0.25) for n in range(18, 33, 2)))
+"""Tried grids, the coarsest first: the largest weight in steps, and the step, which keeps it within 8."""
 
 
 def snapped(
@@ -27,23 +27,22 @@ def snapped(
         if not template.linear:
             return tuple(templates), 0.0
         tolerated = _tolerated(template, stage)
-        for levels in LEVELS:
-            trial = [*found[:number], _on_grid(template, levels), *found[number + 1 :]]
+        for levels, step in GRIDS:
+            trial = [*found[:number], _on_grid(template, levels, step), *found[number + 1 :]]
             if _tolerated(trial[number], stage) >= tolerated and right(trial):
-                found, coarsest = trial, min(coarsest, 1.0 if levels <= 8 else 8 / levels)
+                found, coarsest = trial, min(coarsest, step)
                 break
         else:
             return tuple(templates), 0.0
     return tuple(found), coarsest
 
 
-def _on_grid(template: Template, levels: int) -> Template:
-    """Return a template whose largest weight is ``levels`` steps, 8 at most."""
+def _on_grid(template: Template, levels: int, step: float) -> Template:
+    """Return a template whose largest weight is ``levels`` steps."""
     own = np.zeros_like(template.A)
     own[own.shape[0] // 2, own.shape[0] // 2] = 1.0
     parts = template.A - own, template.B, np.array(template.z)
     largest = max(float(np.abs(part).max()) for part in parts)
-    step = 1.0 if levels <= 8 else 8 / levels
     a, b, z = (np.rint(part * (levels / largest)) * step + 0.0 for part in parts)
     return Template(a + own, b, float(z), template.name)
 

@@ -104,7 +104,7 @@ class Stage:
     @property
     def self_feedback(self) -> Array:
         """Which free numbers are the centre of A."""
-        return self.map[self._before_a + self.template.A.size // 2] > 0
+        return np.asarray(self.map[self._before_a + self.template.A.size // 2] > 0)
 
     @property
     def in_terms(self) -> Array:
@@ -113,7 +113,7 @@ class Stage:
             slice(self.template.B.size, self._before_a),
             slice(self._before_a + self.template.A.size, -1),
         )
-        return self.map[control].any(axis=0) | self.map[feedback].any(axis=0)
+        return np.asarray(self.map[control].any(axis=0) | self.map[feedback].any(axis=0))
 
     @property
     def _before_a(self) -> int:

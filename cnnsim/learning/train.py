@@ -16,6 +16,7 @@ from cnnsim.learning.snap import snapped
 from cnnsim.learning.stage import Stage
 from cnnsim.network import Boundary, Template, fixed
 from cnnsim.network.boundary import parse_boundary
+from cnnsim.planning.step import Duration
 from cnnsim.support import Array, Floats, InputError
 from cnnsim.support.command_files import own_files
 from cnnsim.support.files import write_text
@@ -40,7 +41,7 @@ class TrainingTask:
         InputError: pictures of different sizes, targets beyond +-1, numbers that are not finite or out of range.
     """
 
-    pairs: Sequence[Sequence[Any]]
+    pairs: Sequence[Any]
     stages: Sequence[Stage] = (Stage(),)
     name: str = "trained"
     boundary: Boundary | str = field(default_factory=lambda: fixed(-1))
@@ -56,7 +57,7 @@ class TrainingTask:
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
-        set_(self, "stages", (self.stages,) if isinstance(self.stages, Stage) else tuple(self.stages))
+        set_(self, "stages", tuple(self.stages))
         set_(self, "boundary", parse_boundary(self.boundary))
         set_(self, "pairs", tuple(_pair(number, pair) for number, pair in enumerate(self.pairs, start=1)))
         if not self.pairs or not self.stages:
@@ -153,7 +154,7 @@ def outputs(task: TrainingTask, templates: Sequence[Template], picture: Array, s
         u, x = (planes[s] if isinstance(s, str) else np.full(np.shape(picture), float(s))
                 for s in (stage.input, stage.initial_state))  # fmt: skip
         assert x is not None
-        duration = "settled" if task.binary else stage.duration
+        duration: Duration = "settled" if task.binary else stage.duration
         ran = run_transient(
             template, state=x, input=u, boundary=parse_boundary(task.boundary), duration=duration, dtype="float64"
         )

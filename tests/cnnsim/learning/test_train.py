@@ -1,15 +1,18 @@
 """Training: edges, shadows and a grey task from pairs alone, files, resumed trainings, and refused tasks."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.ndimage import gaussian_filter
 
 from cnnsim import InputError, Stage, Training, TrainingTask, library, load_program, run, run_program, train
+from cnnsim.cli.group import main
 from cnnsim.learning.objective import Disturbance, Objective
 from cnnsim.learning.spec import read_training
 from cnnsim.network import ZERO_FLUX
@@ -28,7 +31,7 @@ def task_of(name: str, side: int, stage: Stage, **options: Any) -> TrainingTask:
     """Return the task of learning a library template from eight pairs."""
     pictures, entry = scenes(5, 8, side), library.load(name)
     pairs = list(zip(pictures, np.sign(run(entry, pictures).y), strict=True))
-    return TrainingTask(pairs, stage, name="learned", boundary=entry.boundary, **options)
+    return TrainingTask(pairs, [stage], name="learned", boundary=entry.boundary, **options)
 
 
 EDGE = Stage(A=1, initial_state=0.0, duration=6.0)
@@ -107,7 +110,7 @@ def test_the_objective_has_the_derivative_of_finite_differences() -> None:
     """With disturbances, terms, symmetry, penalties and pairs of two sizes."""
     terms = library.load("perona-malik").template.terms
     stage = Stage(symmetry="mirror", z=0.1, terms=terms, duration=1.0)
-    task = TrainingTask([(p, 0.5 * p) for size in (6, 7) for p in scenes(1, 2, size)], stage, boundary=ZERO_FLUX)
+    task = TrainingTask([(p, 0.5 * p) for size in (6, 7) for p in scenes(1, 2, size)], [stage], boundary=ZERO_FLUX)
     objective = Objective(task.pairs, task.stages, ZERO_FLUX, "squares", Disturbance(0.1, 0.05), (0.01, 0.02), 0)
     rng = np.random.default_rng(0)
     free, way = 0.1 * rng.normal(size=(2, objective.sizes[0]))
@@ -147,3 +150,26 @@ def test_the_example_file_is_read_and_wrong_tasks_are_refused_in_one_line(tmp_pa
         path.write_text(f"name = 'bad'\n{more}\n")
         with pytest.raises(InputError, match=text):
             read_training(path)
+
+
+def test_the_command_writes_what_the_page_says_and_overwrites_nothing(tmp_path: Path) -> None:
+    words = ["train", str(ROOT / "examples" / "learn" / "edge.toml"), "-o", str(tmp_path)]
+    done = CliRunner().invoke(main, [*words, "--curve", str(tmp_path / "curve.png"), "--json"])
+    assert done.exit_code == 0, done.output
+    facts = json.loads(done.stdout)
+    assert (facts["wrong"], facts["templates"][0]["margin"]) == (0, 1.0)
+    assert {Path(path).name for path in facts["files"]} == {"learned-edge.toml", "learned-edge-training.json"}
+    assert (tmp_path / "curve.png").stat().st_size > 1000
+    again = CliRunner().invoke(main, words)
+    assert again.exit_code == 2
+    assert "--replace" in again.output
+    assert "0 of 8192 cells wrong" in CliRunner().invoke(main, [*words, "--replace"]).output
+
+
+def test_the_python_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, Any] = {}
+    for block in re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs" / "how-to" / "learn.md").read_text("utf-8"), re.DOTALL
+    ):
+        exec(compile(block, "learn.md", "exec"), names)
+    assert "(8, 16, 16)" in capsys.readouterr().out
