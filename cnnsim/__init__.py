@@ -58,7 +58,8 @@ if TYPE_CHECKING:  # at run time `cnnsim.lazy` imports a name from here when it 
     from cnnsim.convergence import NotSettledError
     from cnnsim.learning.gradient import gradient
     from cnnsim.learning.stage import Stage
-    from cnnsim.learning.train import Training, TrainingTask, train
+    from cnnsim.learning.train import Training, train
+    from cnnsim.learning.training_task import TrainingTask
     from cnnsim.library.catalogue import run
     from cnnsim.network import (
         PERIODIC,

@@ -7,7 +7,7 @@ from typing import Any
 
 from cnnsim import library
 from cnnsim.learning.stage import Stage
-from cnnsim.learning.train import TrainingTask
+from cnnsim.learning.training_task import TrainingTask
 from cnnsim.support import InputError
 from cnnsim.support.error_list import ErrorList
 from cnnsim.support.errors import naming

@@ -2,112 +2,24 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from hashlib import sha256
+from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
 
-from cnnsim.learning.losses import LossName, checked_target
-from cnnsim.learning.objective import Disturbance, Objective, Pair
+from cnnsim.learning.objective import Disturbance, Objective
 from cnnsim.learning.snap import snapped
-from cnnsim.learning.stage import Stage
-from cnnsim.network import Boundary, Template, fixed
+from cnnsim.learning.training_task import TrainingTask
+from cnnsim.network import Template
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.planning.step import Duration
 from cnnsim.support import Array, Floats, InputError
 from cnnsim.support.command_files import own_files
 from cnnsim.support.files import write_text
-from cnnsim.support.keywords import spelled_class
 from cnnsim.support.progress import watcher
-from cnnsim.support.values import as_picture, is_number, is_whole
 from cnnsim.transient import run_transient
-
-
-@spelled_class
-@dataclass(frozen=True, eq=False)
-class TrainingTask:
-    """Pairs of pictures, the stages that should turn the first ones into the second ones, and how they are trained.
-
-    ``pairs``: (picture, target) or (picture, target, second picture), of CNN values (rows, cols). ``loss``: see
-    `loss_of`; None is "hinge" if all targets are black or white, else "squares". ``noise`` on the pictures and
-    ``mismatch`` (relative errors of the weights) are sigmas. ``decay`` weighs the sum of squares of the free numbers,
-    ``sparsity`` the sum of their moduli; free numbers lie within +-``largest``. ``starts`` random ones at most, each
-    of at most ``iterations``. The same ``seed`` gives the same templates.
-
-    Raises:
-        InputError: pictures of different sizes, targets beyond +-1, numbers that are not finite or out of range.
-    """
-
-    pairs: Sequence[Any]
-    stages: Sequence[Stage] = (Stage(),)
-    name: str = "trained"
-    boundary: Boundary | str = field(default_factory=lambda: fixed(-1))
-    loss: LossName | None = None
-    noise: float = 0.0
-    mismatch: float = 0.0
-    decay: float = 1e-4
-    sparsity: float = 0.0
-    largest: float = 10.0
-    starts: int = 10
-    iterations: int = 200
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "stages", tuple(self.stages))
-        set_(self, "boundary", parse_boundary(self.boundary))
-        set_(self, "pairs", tuple(_pair(number, pair) for number, pair in enumerate(self.pairs, start=1)))
-        if not self.pairs or not self.stages:
-            raise InputError(f"{len(self.pairs)} pairs and {len(self.stages)} stages to train; one or more wanted")
-        for name in ("noise", "mismatch", "decay", "sparsity", "largest"):
-            value = getattr(self, name)
-            if not is_number(value) or not 0 <= value < np.inf:
-                raise InputError(f"{name} {value!r}; a number from 0 up wanted")
-        for name, least in (("starts", 1), ("iterations", 1), ("seed", 0)):
-            value = getattr(self, name)
-            if not is_whole(value) or value < least:
-                raise InputError(f"{name} {value!r}; a whole number from {least} up wanted")
-        if any("given" in (s.input, s.initial_state) for s in self.stages) and any(p.given is None for p in self.pairs):
-            raise InputError(
-                "a stage takes the second picture ('given'), and a pair has none; one for each pair wanted"
-            )
-        targets = np.concatenate([pair.target.ravel() for pair in self.pairs])
-        set_(self, "loss", self.loss or ("hinge" if (np.abs(targets) == 1).all() else "squares"))
-        if self.binary and not 0 < np.mean(targets > 0) < 1:
-            colour = "black" if targets[0] > 0 else "white"
-            raise InputError(f"all cells of all targets are {colour}; black and white ones wanted")
-
-    @property
-    def binary(self) -> bool:
-        """Whether the outputs are black and white."""
-        return self.loss == "hinge"
-
-    @property
-    def digest(self) -> str:
-        """The checksum of all that decides the result."""
-        rest = [repr(value) for name, value in vars(self).items() if name != "pairs"]
-        planes = [
-            plane for pair in self.pairs for plane in (pair.picture, pair.target, pair.given) if plane is not None
-        ]
-        return sha256(b"".join([*map(str.encode, rest), *(plane.tobytes() for plane in planes)])).hexdigest()
-
-
-def _pair(number: int, given: Sequence[Any]) -> Pair:
-    where = f"pair {number}"
-    if not isinstance(given, Sequence | np.ndarray) or len(given) not in (2, 3):
-        raise InputError(f"{where}: {type(given).__name__}; (picture, target) or (picture, target, second one) wanted")
-    planes = [as_picture(f"{where}: picture", given[0]), given[1], *given[2:]]
-    shape = planes[0].shape
-    if len(shape) != 2:
-        raise InputError(f"{where}: picture has shape {shape}; (rows, cols) wanted")
-    target = checked_target(given[1], shape, f"{where}: target")
-    second = checked_target(given[2], shape, f"{where}: second picture") if len(given) == 3 else None
-    if not np.isfinite(planes[0]).all():
-        raise InputError(f"{where}: picture holds numbers that are not finite; CNN values from -1 to 1 wanted")
-    return Pair(np.asarray(planes[0], np.float64), target, second)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
