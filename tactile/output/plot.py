@@ -13,8 +13,9 @@ from tactile.calibration.tare_check import UNITS
 from tactile.core.frame import HAND, TaxelArray
 from tactile.events.event import Event
 from tactile.output.collected import Collected, Columns
+from tactile.output.plane import SURE, Plane
 from tactile.output.plot_events import ROW, draw_events, label_events, rows_of
-from tactile.output.plot_plane import SURE, Plane, draw_planes
+from tactile.output.plot_plane import draw_planes
 from tactile.thresholds.threshold import CONTACT
 
 TITLE = 100

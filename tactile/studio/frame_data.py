@@ -11,7 +11,7 @@ from tactile.events.event import Event
 from tactile.inverse.validity import Validity
 from tactile.output.collected import texture_mean
 from tactile.output.event_data import finite, load_data
-from tactile.output.plot_plane import SURE, round_number
+from tactile.output.plane import SURE, round_number
 from tactile.studio.feed import Feed, Kept
 
 _VALIDITY = {Validity.NOT_ONE: "no single point load", Validity.AMBIGUOUS: "uncertain: ambiguous"}

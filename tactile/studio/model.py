@@ -12,8 +12,9 @@ from cnnsim.support import InputError
 from cnnsim.support.errors import not_known, shown
 from cnnsim.support.values import is_number
 from tactile.output.collected import texture_mean
+from tactile.output.plane import ARROWS
 from tactile.output.plot_events import COLOURS, MINOR, OWN
-from tactile.output.plot_plane import ARROWS, REACH
+from tactile.output.plot_plane import REACH
 from tactile.studio.feed import Feed
 from tactile.studio.frame_data import array_data, finger_data, recorded_rate, scale_data, span_data
 from tactile.thresholds.choices import ThresholdChoices
