@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cnnsim.cli.studio import need_server, page_options, serve
+from cnnsim.studio.command import need_server, page_options, serve
 from cnnsim.support.command_line import examples
 from cnnsim.support.notices import Notices
 from cnnsim.support.terminal import echo
