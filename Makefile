@@ -16,7 +16,7 @@ SCENE  ?= examples/scenes/grip.toml
 MARKED := not slow
 LOWEST := out/lowest/bin
 
-.PHONY: run test test-all check lowest docs bench accuracy hard-cases scaling endurance format clean lock
+.PHONY: run test test-all check lowest docs bench accuracy gpu hard-cases scaling endurance format clean lock
 
 run: $(VENV)/.run            ## the main job: two fingers grip, lift, let slip and release
 	$(BIN)/tactile run $(SCENE) -o out/$(basename $(notdir $(SCENE))) --replace
@@ -52,6 +52,9 @@ lowest:                      ## main jobs with the lowest versions that pyprojec
 
 bench: $(VENV)/.bench        ## speed, as ratios to peers measured in the same run
 	$(BIN)/python -m tests.benchmarks -o out/bench
+
+gpu: $(VENV)/.test          ## the OpenCL backend on the GPU: tests, then speed with installed peers; elsewhere: make gpu GPU=--any-device
+	$(BIN)/python -m tests.benchmarks.gpu $(GPU) -o out/gpu
 
 endurance: $(VENV)/.test     ## long runs and fuzzing, into docs/reliability.md; short: make endurance ENDURANCE=--short
 	$(BIN)/python -m tests.fuzz.report $(ENDURANCE) -o docs/reliability.md

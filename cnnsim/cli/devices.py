@@ -7,6 +7,7 @@ import click
 from cnnsim import backends
 from cnnsim.backends.opencl.device.devices import devices as list_devices
 from cnnsim.support.command_line import examples, print_json
+from cnnsim.support.memory import in_words
 from cnnsim.support.terminal import echo, hanging
 
 
@@ -30,6 +31,7 @@ def devices(as_json: bool) -> None:
         double = "float32, float64" if device.float64 else "float32"
         mark = "*" if device.chosen else " "
         echo(hanging(f"{mark} {device.index}  ", f"{device.name}  ({device.platform})", 5))
-        echo(hanging("", f"{device.type}, {device.compute_units} compute units, {double}", 5))
+        memory = in_words(device.memory_bytes)
+        echo(hanging("", f"{device.type}, {device.compute_units} compute units, {memory}, {double}", 5))
         if device.remark:
             echo(hanging("", device.remark, 5))

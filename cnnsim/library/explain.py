@@ -22,13 +22,15 @@ from cnnsim.theory.running_time import RunningTime
 COUNTED = ("cpu", "opencl")
 """The backends whose memory is counted; the reference backend is for small grids."""
 
+_NO_SLEEP = "no sleep", "on a GPU the list of sleeping tiles costs more than their steps"
+
 
 @dataclass(frozen=True, repr=False)
 class Explanation:
     """A ``plan`` with its decisions, and the ``guaranteed`` running time; ``str`` has a line for each.
 
     ``cell_bytes``: memory per cell in float32 on the ``backend``, including arguments and result; ``cells`` of all
-    layers; ``grey``: whether the initial state is not black and white.
+    layers; ``grey``: whether the initial state is not black and white; ``on_gpu``: whether the backend's device is one.
     """
 
     plan: Plan
@@ -37,6 +39,7 @@ class Explanation:
     cells: int
     backend: str = "cpu"
     grey: bool = False
+    on_gpu: bool = False
 
     @property
     def memory(self) -> str:
@@ -66,7 +69,8 @@ class Explanation:
     def lines(self) -> list[tuple[str, str]]:
         """Pairs of a title and a text."""
         growth = [("growth", self.growth)] if self.growth else []
-        return [*self.plan.decisions, *growth, ("memory", self.memory), ("guaranteed time", str(self.guaranteed))]
+        decisions = [_NO_SLEEP if self.on_gpu and what == "sleep" else (what, why) for what, why in self.plan.decisions]
+        return [*decisions, *growth, ("memory", self.memory), ("guaranteed time", str(self.guaranteed))]
 
     def __repr__(self) -> str:
         return lines_of(self.lines)
@@ -98,7 +102,15 @@ def _explained(task: Task, guaranteed: RunningTime, backend: str) -> Explanation
     if backend not in COUNTED:
         raise InputError(f"backend {backend!r}: its memory is not counted; one of {', '.join(COUNTED)} wanted")
     size = task.cell_bytes(np.dtype(np.float32).itemsize, backend)
-    return Explanation(task.plan, guaranteed, size, task.state.size, backend, grey=is_grey(task.state))
+    grey, on_gpu = is_grey(task.state), backend == "opencl" and _default_is_gpu()
+    return Explanation(task.plan, guaranteed, size, task.state.size, backend, grey=grey, on_gpu=on_gpu)
+
+
+def _default_is_gpu() -> bool:
+    """Return whether the default OpenCL device is a GPU."""
+    from cnnsim.backends.opencl.device.devices import devices  # brings pyopencl
+
+    return any(device.chosen and device.family == "gpu" for device in devices())
 
 
 def blank(shape: Array) -> Array:

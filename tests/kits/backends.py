@@ -1,6 +1,7 @@
 """All backends in all their dtypes; OpenCL with both its families of kernels."""
 
 from functools import cache
+from importlib.util import find_spec
 from typing import Any, NamedTuple, cast
 
 import pytest
@@ -11,7 +12,17 @@ from cnnsim.backends.base import Backend
 DTYPES = {"reference": ("float64",)}
 """Of backends that do not compute in both float32 and float64."""
 
-FAMILIES = {"opencl": ("cpu", "gpu")}
+
+def _families() -> tuple[str, ...]:
+    """Return the families of OpenCL kernels that the device can build: a GPU only its own."""
+    if find_spec("pyopencl") is None:
+        return ("cpu", "gpu")
+    from cnnsim.backends.opencl.device.devices import all_devices, choose_device, family_of
+
+    return ("gpu",) if all_devices() and family_of(choose_device()) == "gpu" else ("cpu", "gpu")
+
+
+FAMILIES = {"opencl": _families()}
 """Of backends with several families of kernels."""
 
 SECOND = ("float32",)

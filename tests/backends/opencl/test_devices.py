@@ -4,6 +4,7 @@ import ctypes
 import os
 import platform
 import re
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,6 +16,7 @@ from click.testing import CliRunner
 
 from cnnsim import InputError, backends
 from cnnsim.cli.devices import devices
+from cnnsim.library.explain import explain_template
 from cnnsim.operations.cellwise import Cellwise
 
 cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
@@ -141,3 +143,36 @@ def test_what_pocl_needs_is_said_where_nothing_builds(monkeypatch: pytest.Monkey
     with pytest.raises(InputError, match=r": set IT=auto$"):
         backend.cellwise(broken, [backend.load(np.zeros((1, 1)), "lam")], ())
     assert "set IT=auto" in CliRunner().invoke(devices).output
+
+
+def test_a_text_that_does_not_build_is_reported_with_driver_kernel_and_line() -> None:
+    backend = OpenCLBackend()
+    broken = Cellwise("broken", "", ("p",), ("q",), (), lambda p: (p,), opencl="q = nothing_of_this_name;")
+    driver = backend.device.driver_version
+    with pytest.raises(
+        InputError, match=rf"driver .*{re.escape(driver)}: .*'cellwise'.* at 'q = nothing_of_this_name;'"
+    ):
+        backend.cellwise(broken, [backend.load(np.zeros((1, 1)), "lam")], ())
+
+
+def test_a_device_without_enough_memory_is_reported_with_both_sizes() -> None:
+    with pytest.raises(InputError, match=r"1.13e\+03 TB wanted for a plane; the device has .* a smaller grid"):
+        OpenCLBackend()._context.buffer(1 << 50)
+
+
+def test_a_home_that_cannot_be_written_stops_nothing() -> None:
+    code = "import cnnsim, numpy; print(cnnsim.run('edge', numpy.ones((2, 3)), backend='opencl').y.shape)"
+    nowhere = {**os.environ, "HOME": "/proc/none"}
+    for variable in ("XDG_CACHE_HOME", kernel_cache.VARIABLE, "PYOPENCL_NO_CACHE"):
+        nowhere.pop(variable, None)
+    done = subprocess.run([sys.executable, "-c", code], env=nowhere, capture_output=True, text=True, check=False)
+    assert done.stdout == "(2, 3)\n", done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("kind", ["gpu", "cpu"])
+def test_explain_leaves_sleep_out_on_a_gpu(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(opencl_devices, "family_of", lambda device: kind)
+    lines = dict(explain_template("hole-filler", (64, 64), "opencl").lines)
+    assert ("no sleep" in lines) == (kind == "gpu")
+    assert ("sleep" in lines) == (kind == "cpu")

@@ -1,5 +1,6 @@
 """OpenCL programs: put together from .cl files and definitions, and built."""
 
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
@@ -45,7 +46,17 @@ def build(context: cl.Context, device: cl.Device, text: str, what: str) -> cl.Pr
     except cl.RuntimeError as error:
         if remark := pocl.remark(device):
             raise InputError(f"{device.name}: {remark}") from error
-        raise BuildError(f"{device.name}: the OpenCL text of {what!r} does not build:\n{error}") from error
+        driver = f"{device.name.strip()}, driver {device.platform.name.strip()} {device.driver_version}"
+        raise BuildError(
+            f"{driver}: the OpenCL text of {what!r} does not build{_line(text, str(error))}\n{error}"
+        ) from error
+
+
+def _line(text: str, log: str) -> str:
+    """Return the line of a text in which a compiler's log has its first error, or nothing."""
+    found = re.search(r":(\d+):\d+: ", log)
+    lines = text.splitlines()
+    return f" at {lines[int(found[1]) - 1].strip()!r}:" if found and int(found[1]) <= len(lines) else ":"
 
 
 def _in_thread(work: Callable[[], cl.Program]) -> cl.Program:

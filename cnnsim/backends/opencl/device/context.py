@@ -3,8 +3,7 @@
 import ctypes
 import os
 from collections.abc import Iterator
-from contextlib import nullcontext
-from dataclasses import dataclass
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from threading import RLock
 from time import sleep
@@ -15,10 +14,13 @@ import pyopencl as cl
 from pyopencl.tools import ImmediateAllocator, MemoryPool
 
 from cnnsim.backends.opencl.device.build import Defines, build, code_defines, define_lines, source
+from cnnsim.backends.opencl.device.counts import Counts
 from cnnsim.backends.opencl.device.devices import Family, check_not_forked
 from cnnsim.backends.opencl.device.kernel_cache import first_use
 from cnnsim.backends.opencl.device.pocl import has_wide_vectors, name_processor
 from cnnsim.backends.slices import pieces
+from cnnsim.support import InputError
+from cnnsim.support.memory import in_words
 
 Buffer = cl.Buffer
 
@@ -41,21 +43,6 @@ SPARE = 8
 """A large buffer is allocated with at most as many times its size in free buffers, of other sizes, in the pool."""
 
 _CONTEXTS: list["DeviceContext"] = []
-
-
-@dataclass
-class Counts:
-    """The cost of some work in units that do not depend on the device.
-
-    ``launches`` of kernels and fills, ``waits`` of the host, ``buffers`` taken, and bytes moved ``to_device`` and
-    ``from_device``.
-    """
-
-    launches: int = 0
-    waits: int = 0
-    buffers: int = 0
-    to_device: int = 0
-    from_device: int = 0
 
 
 class _Lock:
@@ -110,7 +97,23 @@ class DeviceContext:
         if size >= IN_PLACE and self._pool.managed_bytes - self._pool.active_bytes > SPARE * size:
             self._pool.free_held()
         self.counts.buffers += 1
-        return cast(Buffer, self._pool.allocate(size))  # it is used as one
+        with self._enough_memory(size):
+            return cast(Buffer, self._pool.allocate(size))  # it is used as one
+
+    @contextmanager
+    def _enough_memory(self, size: int) -> Iterator[None]:
+        """Raise an InputError where the block finds no memory for ``size`` bytes on the device."""
+        try:
+            yield
+        except (cl.MemoryError, cl.LogicError) as error:
+            if isinstance(error, cl.LogicError) and error.code != cl.status_code.INVALID_BUFFER_SIZE:
+                raise
+            used, most = in_words(self._pool.active_bytes), in_words(self.device.max_mem_alloc_size)
+            raise InputError(
+                f"{self.device.name.strip()}: {in_words(size)} wanted for a plane; the device has "
+                f"{in_words(self.device.global_mem_size)}, at most {most} for each, and {used} are in use; a smaller "
+                "grid or batch, float32, or an engine with a store wanted"
+            ) from error
 
     def plane(self, cells: int) -> Buffer:
         """Return a buffer for ``cells`` numbers."""
@@ -132,7 +135,8 @@ class DeviceContext:
         """Return a buffer of the numbers of an array."""
         self.counts.buffers += 1
         self.counts.to_device += 0 if flags & cl.mem_flags.USE_HOST_PTR else host.nbytes
-        return cl.Buffer(self.context, flags, hostbuf=host)
+        with self._enough_memory(host.nbytes):
+            return cl.Buffer(self.context, flags, hostbuf=host)
 
     def read(self, buffer: Buffer, host: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Wait for the device and copy the first numbers of a buffer to an array; return the array."""
@@ -159,7 +163,7 @@ class DeviceContext:
             with first_use(self.device):
                 if key[:-1] not in self._programs:
                     text = lines + "".join(map(source, ["common", *stems.split()])) + extra
-                    self._programs[key[:-1]] = build(self.context, self.device, text, stems or name)
+                    self._programs[key[:-1]] = build(self.context, self.device, text, name)
                 self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
         return self._kernels[key]
 
