@@ -11,6 +11,8 @@ from tactile.core.frame import NORMAL
 from tactile.output.plane import SQUARES, SURE, Plane, blocks, round_number
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
+ARROW = "#0072b2"
+"""Colour of the arrows."""
 REACH = 0.85
 """Length of the longest arrow over the distance of neighbouring arrows."""
 
@@ -98,11 +100,11 @@ def _arrows(planes: Sequence[Plane]) -> None:
         at = blocks(plane.array.positions() * 1e3, plane.block)
         arrows = plane.axis.quiver(
             at[..., 0], at[..., 1], shear[..., 0], -shear[..., 1], scale_units="width", scale=scale, units="width",
-            color="#0072b2", width=0.08 * room, headwidth=3, minlength=0.5,
+            color=ARROW, width=0.08 * room, headwidth=3, minlength=0.5,
         )  # fmt: skip
         if plane is planes[0]:
             key = round_number(max(largest, least))
-            where = {"labelpos": "W", "coordinates": "axes", "color": "#0072b2"}
+            where = {"labelpos": "W", "coordinates": "axes", "color": ARROW}
             plane.axis.quiverkey(arrows, 0.98 - key / scale, 1.03, key, f"shear {key:g} N", **where)
 
 

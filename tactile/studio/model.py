@@ -14,7 +14,7 @@ from cnnsim.support.values import is_number
 from tactile.output.collected import texture_mean
 from tactile.output.plane import ARROWS
 from tactile.output.plot_events import COLOURS, MINOR, OWN
-from tactile.output.plot_plane import REACH
+from tactile.output.plot_plane import ARROW, REACH
 from tactile.studio.feed import Feed
 from tactile.studio.frame_data import array_data, finger_data, recorded_rate, scale_data, span_data
 from tactile.thresholds.choices import ThresholdChoices
@@ -83,7 +83,7 @@ class ArrayModel:
         content = {
             "is": "open", "title": feed.source.title, "live": feed.live, "port": self.link is not None,
             "arrays": [array_data(array) for array in feed.arrays], "kinds": kinds, "own": colors.to_hex(OWN),
-            "minor": MINOR, "arrow": colors.to_hex("tab:blue"), "reach": REACH, "arrows": ARROWS, "span": SPAN,
+            "minor": MINOR, "arrow": ARROW, "reach": REACH, "arrows": ARROWS, "span": SPAN,
             "thresholds": {
                 "dead_band": shear.dead_band, "hysteresis": shear.hysteresis, "contact_level": contact.dead_band,
                 "sigmas": list(vars(settings.sigmas).values()),

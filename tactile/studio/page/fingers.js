@@ -54,7 +54,7 @@ export class Fingers {
       const card = { array, canvas, box: h("div", { class: "box" }, canvas), load: h("output", { class: "load", "data-finger": array.name }),
         arrows: h("pre", { class: "arrows", "aria-label": "code" }), bits: h("pre", { class: "bits", "aria-label": "sign code" }), planes: h("div") };
       host.append(h("article", { class: "finger" }, h("h2", {}, `${array.name}, ${array.rows} x ${array.cols}`), card.box,
-        h("div", { class: "side" }, card.arrows, card.bits, card.planes), card.load));
+        h("div", { class: array.rows > 4 ? "side dense" : "side" }, card.arrows, card.bits, card.planes), card.load));
       return card;
     });
   }

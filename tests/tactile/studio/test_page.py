@@ -5,8 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib import colormaps
+from matplotlib.colors import to_rgb
 
-from tactile.output.plot_plane import REACH
+from tactile.output.plot_events import COLOURS
+from tactile.output.plot_plane import ARROW, REACH
 from tests.kits.browser import Browser
 from tests.tactile.studio.conftest import Known
 
@@ -14,7 +16,10 @@ pytestmark = pytest.mark.slow
 
 T = 2.0
 """Both fingers are held, and nothing slips."""
-ARROW, LOAD, GREEN, PURPLE = (31, 119, 180), (213, 94, 0), (44, 160, 44), (148, 103, 189)
+LOAD = (213, 94, 0)
+BLUE, CONTACT, SLIP = (
+    tuple(round(255 * part) for part in to_rgb(one)) for one in (ARROW, COLOURS["contact"], COLOURS["slip"])
+)
 BOXES = ".finger .box canvas"
 
 
@@ -67,13 +72,13 @@ def test_arrows_have_one_scale_and_a_key(browser: Browser, known: Known) -> None
     label = browser.page.get_attribute("#legend", "aria-label")
     assert "shear of 20 ‰" in label
     key = browser.pixels(0, "#legend")
-    columns = np.flatnonzero(near(key, ARROW, 60).any(0))
+    columns = np.flatnonzero(near(key, BLUE, 60).any(0))
     for finger, report in enumerate(known.at(T)):
         pixels, left, top, pitch = squares(browser, finger)
         assert np.ptp(columns) == pytest.approx(0.02 / most * REACH * pitch, abs=3)
         for row, col in np.ndindex(2, 2):
             x, y = left + col * pitch, top + row * pitch
-            part = near(pixels[int(y) : int(y + pitch), int(x) : int(x + pitch)], ARROW, 60)
+            part = near(pixels[int(y) : int(y + pitch), int(x) : int(x + pitch)], BLUE, 60)
             shear = report.frame.values[row, col, :2] / most * REACH * pitch
             extents = [np.ptp(np.flatnonzero(part.any(axis))) for axis in (0, 1)]
             assert extents == pytest.approx(np.abs(shear), abs=9)  # a shaft and a head have a width
@@ -104,14 +109,14 @@ def test_the_ribbon_has_spans_from_onset_to_end(browser: Browser, known: Known) 
     seek(browser, 5.9)
     contact = next(one for report in known.reports for one in report.ended if one.key[:2] == ("left", "contact"))
     pixels = browser.pixels(0, "#ribbon")
-    green = np.flatnonzero(near(pixels[8:9], GREEN)[0])
+    green = np.flatnonzero(near(pixels[8:9], CONTACT)[0])
     per_second = (pixels.shape[1] - 56) / 10
     assert green[0] == pytest.approx(52 + contact.t * per_second, abs=2)
     assert green[-1] == pytest.approx(52 + contact.end * per_second, abs=2)
-    assert near(pixels, PURPLE).any()
+    assert near(pixels, SLIP).any()
     assert browser.page.locator("#events li").count() == len([e for report in known.reports for e in report.events])
     seek(browser, T)
-    green = np.flatnonzero(near(browser.pixels(0, "#ribbon")[8:9], GREEN)[0])
+    green = np.flatnonzero(near(browser.pixels(0, "#ribbon")[8:9], CONTACT)[0])
     assert green[-1] == pytest.approx(52 + T * per_second, abs=2)  # it still lasts
 
 
