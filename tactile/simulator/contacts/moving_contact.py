@@ -67,7 +67,7 @@ class MovingContact:
     def loads(self, times: Floats, depth: float, medium: Medium, rig: Rig = STILL) -> Loads:
         """Return the loads on the finger at the times [s], for taxels at ``depth`` [m], with the indenter in the rig.
 
-        A dry body that is pulled lifts off and carries nothing; a point is a force, and may pull.
+        A dry body that is pulled lifts off and carries nothing; a `MovingLoad` is a force, and may pull.
 
         Raises:
             InputError: an indentation given for a shape without a law for it; a contact too wide for the depth, or
@@ -81,6 +81,7 @@ class MovingContact:
             return self._adhering(times, medium, rig)
         rows = self._at(times, medium)
         if self.indenter.shape == "point":
+            rows[rows[:, F] < 0, PLACE.stop :] = 0
             return at_a_point(rows[:, :COLUMNS], medium, rig)
         rows = rig.moved(rows, self.indenter, medium)
         rows[rows[:, F] < 0, PLACE.stop :] = 0

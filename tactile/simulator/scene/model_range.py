@@ -8,6 +8,7 @@ import numpy as np
 from cnnsim.support import InputError
 from tactile.core.loads import F, Q, R
 from tactile.elastic.medium import Medium
+from tactile.simulator.contacts.adhesion_path import adhesion_table
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS, Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
@@ -85,7 +86,14 @@ def _contact(contact: MovingContact, number: int, found: Extremes, field: Field)
     body, name = field.rig.touching(contact.indenter), f"contact {number}, a {contact.indenter.shape}"
     push = contact.path[:, 1 + F]
     sticks = field.rig.work > 0 and body.shape in LAWS
-    if push.min() < 0 and not contact.given_depth and not sticks and body.shape != "point":
+    if sticks and not contact.given_depth:
+        law = adhesion_table(body.round, field.medium, field.rig.work, contact.path[:, [0, 1 + F]], False)
+        if push.min() < law.force.min():
+            yield (
+                f"{name}: pulled with {-push.min():.3g} N; at most the pull-off force of {-law.force.min():.3g} N "
+                "wanted, beyond which it snaps off and carries nothing"
+            )
+    if push.min() < 0 and not contact.given_depth and not sticks:
         yield (
             f"{name}: pulled with {-push.min():.3g} N; a dry contact cannot pull: it lifts off and carries nothing"
             + " ([effect.adhesion] lets it stick)" * (body.shape in LAWS)

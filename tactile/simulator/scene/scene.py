@@ -20,6 +20,7 @@ from tactile.simulator.field import Contact, Field
 from tactile.simulator.ideal_skin import IdealSkin
 from tactile.simulator.scene.checks import check, listed
 from tactile.simulator.scene.model_range import out_of_range
+from tactile.simulator.scene.unit_range import doubtful_units
 from tactile.simulator.summation import ACCURACY
 
 if TYPE_CHECKING:
@@ -164,7 +165,8 @@ class Scene:
         return np.random.default_rng((self.seed, finger, zlib.crc32(name.encode())))
 
     def batches(self, finger: int) -> Iterator[Batch]:
-        """The frames of one finger, many at a time: field, effects on it, effects on frames."""
+        """The frames of one finger, many at a time: field, effects on it, effects on frames; warns as iterating."""
+        self._check_range()
         fields = self.affected(self.skin.fields(finger, self.skin.chunks(finger)), "field", self.effects, finger)
         return self.affected((self.batch(finger, field) for field in fields), "frames", self.effects, finger)
 
@@ -199,19 +201,23 @@ class Scene:
         Raises:
             InputError: what has no meaning at all: strains above 1, a contact wider than the sphere that makes it.
         """
-        return tuple(out_of_range(self))
+        return (*out_of_range(self), *doubtful_units(self))
 
     def __iter__(self) -> Iterator[Frame]:
-        if "range_notes" not in self.__dict__:
-            for line in self.range_notes:
-                warnings.warn(f"{self.title}: {line}", ModelRangeWarning, stacklevel=2)
+        self._check_range()
         streams = [self._frames_of(finger) for finger in range(len(self.arrays))]
         return heapq.merge(*streams, key=lambda frame: frame.t) if len(streams) > 1 else streams[0]
 
     def _frames_of(self, finger: int) -> Iterator[Frame]:
-        for batch in self.batches(finger):
+        for batch in self.batches(finger):  # checked already
             for k, (t, sequence) in enumerate(zip(batch.t.tolist(), batch.sequence.tolist(), strict=True)):
                 yield Frame(finger, t, sequence, batch.values[k], batch.valid[k])
+
+    def _check_range(self) -> None:
+        """Warn of every line of ``range_notes``, once."""
+        if "range_notes" not in self.__dict__:
+            for line in self.range_notes:
+                warnings.warn(f"{self.title}: {line}", ModelRangeWarning, stacklevel=3)
 
     def with_effects(self, effects: Iterable[Any], accuracy: float | None = None) -> "Scene":
         """Return the scene with other effects, and with another ``accuracy`` of the field if one is given."""

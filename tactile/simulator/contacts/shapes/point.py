@@ -1,4 +1,4 @@
-"""Point: a force at one place, which may also pull; its mounting holds it by a tip."""
+"""Point: a force at one place; its mounting holds it by a tip."""
 
 import numpy as np
 

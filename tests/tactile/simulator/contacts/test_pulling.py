@@ -41,8 +41,10 @@ def test_a_dry_body_lifts_off(shape: str) -> None:
     assert min(part[..., 4].min() for part in spread) >= 0
 
 
-def test_a_point_is_a_force_and_may_pull() -> None:
-    assert pressed(0.5, -0.5, shape="point").loads(TIMES, 1e-3, RUBBER).totals[:, 0, 4].min() == pytest.approx(-0.5)
+def test_a_point_that_touches_lifts_off_and_a_load_may_pull() -> None:
+    assert pressed(0.5, -0.5, shape="point").loads(TIMES, 1e-3, RUBBER).totals[:, 0, 4].min() == 0
+    load = MovingLoad(0, [(t, 0, 0, 0, 0, push) for t, push in enumerate((0.5, -0.5))])
+    assert load.loads(TIMES, 1e-3, RUBBER).totals[:, 0, 4].min() == pytest.approx(-0.5)
 
 
 def test_a_sphere_sticks_until_it_snaps_off() -> None:
@@ -186,6 +188,9 @@ def test_whoever_asks_for_frames_is_warned_once() -> None:
     fresh = replace(scene)
     assert "pulled with 0.5 N" in fresh.range_notes[0]  # who asks tells it himself
     iter(fresh)
-    assert fresh.with_effects([("adhesion", Adhesion())]).range_notes == ()
+    (note,) = fresh.with_effects([("adhesion", Adhesion())]).range_notes
+    assert "pulled with 0.5 N; at most the pull-off force of 0.00118 N wanted" in note
+    with pytest.warns(ModelRangeWarning, match="pulled with 0.5 N"):
+        replace(scene).batches(0)
     with pytest.raises(InputError, match=r"strains to .*; at most 1 wanted"):
         iter(Scene("torn", 100.0, 1.0, 2.4e6, (array,), (MovingLoad(0, [(0.0, 5e-4, 5e-4, 0, 0, 20.0)]),)))

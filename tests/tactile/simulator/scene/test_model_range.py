@@ -9,15 +9,22 @@ from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.elastic.strip_contact import strip_contact
+from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import Indenter
+from tactile.simulator.contacts.materials import PRESETS
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.contacts.moving_load import MovingLoad
+from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.effects.adhesion import Adhesion
 from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.mounting.curved_fingertip import CurvedFingertip
 from tactile.simulator.effects.poisson_ratio import PoissonRatio
+from tactile.simulator.effects.quantisation import Quantisation
+from tactile.simulator.effects.read_noise import ReadNoise
+from tactile.simulator.field import Contact
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
+from tactile.simulator.scene.unit_range import doubtful_units
 
 
 def pressed(*pushes: float, by_depth: bool = False) -> MovingContact:
@@ -35,7 +42,7 @@ def test_a_scene_says_where_its_models_end() -> None:
     pulled = said(pressed(0.5, -0.5))
     assert "contact 1, a sphere: pulled with 0.5 N; a dry contact cannot pull: it lifts off" in pulled
     assert "([effect.adhesion] lets it stick)" in pulled
-    assert "pulled" not in said(pressed(0.05, -0.5), Adhesion())
+    assert "pulled" not in said(pressed(0.05, -5e-4), Adhesion())
     for shape in (Indenter("disc", 1e-3), Indenter("cylinder", 2e-2, 8e-3), Indenter("edge", 0.0, 8e-3)):
         for effects in ((), (Adhesion(),)):  # which does not hold these
             held = MovingContact(0, shape, np.array([(0.0, 0, 0, 0, 0, 0.05), (1, 0, 0, 0, 0, -0.5)]))
@@ -151,3 +158,38 @@ def test_a_cover_that_a_cylinder_squeezes_out_at_its_ends_is_told() -> None:
     assert "squeezed out at the ends of 20 mm, and its force" in said(lying(float(wide), 20e-3), thin)
     assert "squeezed out" not in said(lying(5.0, 16e-3), thin)
     assert "squeezed out" not in said(lying(60.0, 16e-3), FiniteThickness(8e-3))
+
+
+def scene(contacts: tuple[Contact, ...], *effects: object, modulus: float = 2.4e6, rate: float = 100.0) -> Scene:
+    return Scene("s", rate, 2.0, modulus, (TaxelArray("pad", 2, 2, 1e-3, 1e-3),), (), contacts, effects)
+
+
+PATH = np.array([(0.0, 0, 0, 0, 0, 1e-3)])
+
+
+def held(push: float = 0.05, x: float = 5e-4, until: float = 1.0) -> tuple[MovingContact]:
+    path = [(0.0, x, 5e-4, 0, 0, push), (until, x, 5e-4, 0, 0, push)]
+    return (MovingContact(0, Indenter("sphere", 5e-3), path),)
+
+
+@pytest.mark.parametrize(
+    ("doubtful", "wanted"),
+    [
+        (scene(held(), modulus=2.4), "modulus 2.4 Pa; 1000 (a soft gel) to 1e+10 Pa"),
+        (scene(held(), modulus=2.4e12), "modulus 2.4e+12 Pa"),
+        (scene(held(x=0.5)), "500 mm or more from the taxels of 'pad'; at most 3 depths of 1 mm"),
+        (scene(held(until=2000.0)), "a path until 2e+03 s; at most the scene's duration of 2 s"),
+        (scene(held(until=1e-3)), "a path of 0.001 s; at least a frame of 0.01 s"),
+        (scene(held(5e-5)), "above the dead band of 0.001 wanted"),
+        (scene(held(), ReadNoise(1.0)), "above the noise of"),
+        (scene(held(), Quantisation(2, 100.0)), "above one count of"),
+        (scene((HeightMap(0, np.array([[0.0, 1.0]] * 2), 1e-4, PATH),)), "heights over 1e+03 mm"),
+        (
+            scene((SlidingTexture(0, (0, 0), PRESETS["screw"], 0, 1, 0.0715, 0, 0.05, 1e3),), rate=1 / 15e-3),
+            "a tone of 143 Hz at 66.7 frames/s shows as 9.7 Hz; at most half the frame rate, 33.3 Hz",
+        ),
+    ],
+)
+def test_numbers_of_a_wrong_unit_are_reported_with_both_sides(doubtful: Scene, wanted: str) -> None:
+    assert wanted in "\n".join(doubtful_units(doubtful))
+    assert list(doubtful_units(scene(held()))) == []
