@@ -1,4 +1,4 @@
-"""Fig. 15: friction and roughness of four materials, eqs (19) and (20), and classification by both."""
+"""Fig. 15: friction and roughness of four materials, eqs (19) and (20) on the strains of one taxel under a bump."""
 
 from pathlib import Path
 
@@ -63,7 +63,7 @@ def draw(pulls: tuple[Pull, ...], path: Path) -> None:
     for material in PRESETS:
         points = np.concatenate([made.points for made in pulls if made.material == material])
         axes.plot(*points.T, ".", markersize=3, label=material)
-    axes.set(xlabel="friction coefficient, eq. (19)", ylabel="roughness [%], eq. (20)")
+    axes.set(xlabel="shear over normal strain, eq. (19)", ylabel="roughness [%], eq. (20)")
     axes.set_title(f"{WINDOW} frames of {FRAME * 1e3:g} ms each; every streak is one pull")
     axes.legend(markerscale=4)
     save(drawn, path)

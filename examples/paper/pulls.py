@@ -1,7 +1,6 @@
-"""The paper's texture bench (sect. 6): four materials pulled over the skin in all directions, 15 ms a frame, T = 128.
+"""The paper's texture bench (sect. 6): four materials pulled over four bumps in all directions, 15 ms a frame, T = 128.
 
-The load located by four taxels under a flat cover replaces the signals of one taxel under a bump: both separate normal
-force and shear.
+The object lies on all four bumps. One taxel is read, and its strains are used as they are.
 """
 
 from dataclasses import dataclass
@@ -10,9 +9,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from examples.paper.bump import RUBBER, SENSOR
 from tactile.core.frame import TaxelArray
-from tactile.finger import Finger
-from tactile.settings import Settings
+from tactile.simulator.bump_cover import Bumps
 from tactile.simulator.contacts.materials import PRESETS
 from tactile.simulator.contacts.sliding_texture import SlidingTexture
 from tactile.simulator.effects.read_noise import ReadNoise
@@ -27,41 +26,53 @@ LONGEST = 600
 """Most frames of a pull: when the rasp leaves the skin, friction is undefined and the T frames start again."""
 BEGIN = 20
 """Frames until the shear has built up and the object slides."""
-ARRAY = TaxelArray("finger", 2, 2, 1.5e-3, 1.5e-3)
+ARRAY = TaxelArray("finger", 2, 2, 1.5e-3, SENSOR)
+BUMPS = Bumps(indentation=120e-6)
+"""Finite strain up to 25 mN a bump."""
+FORCES = 4e-3, 40e-3
+"""Range of the mean force [N] of a pull, on all four bumps: a bump under the rasp's teeth takes up to 22 mN."""
+NOISE, FULL_SCALE = 5e-4, 0.1
 
 
 @dataclass(frozen=True)
 class Pull:
-    """One pull: its parameters, the located load (n, 3) of Q, R, F [N], and friction and roughness (m, 2)."""
+    """One pull: its parameters, the mean ``friction`` of its forces, the strains (n, 3) of one taxel, and friction and
+    roughness (m, 2) of these strains.
+    """
 
     material: str
     speed: float
     direction: float
     force: float
-    load: NDArray[np.float64]
+    friction: float
+    strains: NDArray[np.float64]
     points: NDArray[np.float64]
 
 
 def pull(material: str, seed: int) -> Pull:
-    """Pull a material once: random direction, 4 to 6 mm/s, a mean force of 0.15 to 0.6 N."""
+    """Pull a material once: random direction, 4 to 6 mm/s, a mean force of 4 to 40 mN."""
     random = np.random.default_rng((sum(map(ord, material)), seed))
-    direction, speed, force = random.uniform(0, 2 * np.pi), random.uniform(4e-3, 6e-3), random.uniform(0.15, 0.6)
-    drawn = SlidingTexture(0, (0.0, 0.0), PRESETS[material], 0.0, LONGEST * FRAME, speed, direction, force, 1e3, seed)
-    noise = ("read_noise", ReadNoise(5e-4))
-    scene = Scene(material, 1 / FRAME, LONGEST * FRAME, 0.87e6, (ARRAY,), (), (drawn,), (noise,), seed=seed)
-    finger, texture, rows, points = Finger(ARRAY, scene.modulus, Settings()), Texture(WINDOW, 0.0), [], []
+    direction, speed, force = random.uniform(0, 2 * np.pi), random.uniform(4e-3, 6e-3), random.uniform(*FORCES)
+    stiffness = 4 * BUMPS.response(ARRAY, "strain").stiffness[1] * RUBBER.modulus
+    drawn = SlidingTexture(
+        0, (0.0, 0.0), PRESETS[material], 0.0, LONGEST * FRAME, speed, direction, force, float(stiffness), seed
+    )
+    scene = Scene(
+        material, 1 / FRAME, LONGEST * FRAME, RUBBER.modulus, (ARRAY,), (), (drawn,), (ReadNoise(NOISE),),
+        FULL_SCALE, seed, BUMPS,
+    )  # fmt: skip
+    texture, rows, points = Texture(WINDOW, 5 * NOISE * FULL_SCALE), [], []
     for frame in scene:
-        load = finger.locate(frame)
-        assert load is not None
-        row = np.nan_to_num(np.array([load.Q, load.R, load.F]))
-        rows.append(row)
+        rows.append(frame.values[0, 0])
         if frame.sequence >= BEGIN:
-            figures = texture.update(row[None, None])
+            figures = texture.update(frame.values[:1, :1])
             if figures.valid[0, 0]:
                 points.append((figures.friction[0, 0], figures.roughness[0, 0]))
         if len(points) == POINTS:
             break
-    return Pull(material, speed, direction, force, np.array(rows), np.reshape(points, (-1, 2)))
+    shear, normal = drawn.series(FRAME * np.arange(BEGIN, len(rows)))
+    friction = float(np.mean(shear[normal > 0] / normal[normal > 0]))
+    return Pull(material, speed, direction, force, friction, np.array(rows), np.reshape(points, (-1, 2)))
 
 
 @cache

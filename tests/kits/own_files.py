@@ -50,7 +50,7 @@ kind = "scenes"
 seed = [1, 2]
 [fixed]
 scene = "scene.toml"
-duration_s = 0.3
+rate_hz = 20
 """
 
 

@@ -41,15 +41,19 @@ def doubtful_units(scene: Any) -> Iterator[str]:  # a `Scene`, which imports thi
 
 
 def _path(scene: Any, contact: Any) -> Iterator[str]:
-    """Lines for a path that lies off the pad, lasts less than a frame, or ends after the scene."""
+    """Lines for a path that lies off the pad, lasts less than a frame, or lies after the scene for the most part."""
     if not hasattr(contact, "path"):
         return
     path = contact.path
     name, begin, end = type(contact).__name__, float(path[0, 0]), float(path[-1, 0])
     if len(path) > 1 and end - begin < 1 / scene.rate:
         yield f"{name}: a path of {end - begin:.3g} s; at least a frame of {1 / scene.rate:.3g} s wanted"
-    if len(path) > 1 and end > scene.duration + 1 / scene.rate:
-        yield f"{name}: a path until {end:.3g} s; at most the scene's duration of {scene.duration:.3g} s wanted"
+    cut = end - max(begin, scene.duration)
+    if len(path) > 1 and cut > max((end - begin) / 2, 1 / scene.rate):  # less is how one shortens a scene
+        yield (
+            f"{name}: a path from {begin:.3g} to {end:.3g} s; at most the scene's duration of {scene.duration:.3g} s "
+            f"wanted, after which {cut / (end - begin):.0%} of it lie"
+        )
     if path.shape[1] < 3:  # a traction map stays in its place
         return
     array = scene.arrays[contact.finger]
