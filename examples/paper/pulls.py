@@ -70,7 +70,7 @@ def pull(material: str, seed: int) -> Pull:
                 points.append((figures.friction[0, 0], figures.roughness[0, 0]))
         if len(points) == POINTS:
             break
-    shear, normal = drawn.series(FRAME * np.arange(BEGIN, len(rows)))
+    shear, normal = drawn.series(np.arange(BEGIN, len(rows), dtype=np.float64) * FRAME)
     friction = float(np.mean(shear[normal > 0] / normal[normal > 0]))
     return Pull(material, speed, direction, force, friction, np.array(rows), np.reshape(points, (-1, 2)))
 

@@ -14,7 +14,7 @@ duration_s = 2.0
 
 [cover]
 youngs_modulus_mpa = 2.4    # soft silicone rubber
-quantity = "strain"         # what the taxels measure: "strain" or "stress"
+quantity = "strain"         # what the taxels measure: "strain", "stress" or "force" [N] on the area of each
 # full_scale = 0.1          # largest strain that the electronics are made for
 # kind = "bump"             # a bump over every taxel (examples/scenes/bump.toml has its keys); "flat" is without
 

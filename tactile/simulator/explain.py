@@ -111,7 +111,7 @@ def explain(scene: Scene, choice: Choice | None = None) -> SceneExplanation:
     return SceneExplanation(
         scene.title,
         sample.peak,
-        "Pa" if quantity == "stress" else "strain",
+        {"stress": "Pa", "force": "N"}.get(quantity, quantity),
         tuple(_lines(scene)),
         tuple(parts),
         tuple(notes),

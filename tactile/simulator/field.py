@@ -50,7 +50,11 @@ class Field:
 
     @cached_property
     def values(self) -> Floats:
-        """(n, rows, cols, 3) in the quantity of the medium."""
+        """(n, rows, cols, 3) in the quantity of the array: that of the medium, or force [N]."""
+        if self.array.quantity == "force":
+            from tactile.simulator.force_pad import taxel_forces  # only where called for
+
+            return taxel_forces(self)
         if self.bumps is not None:
             return self.bumps.readings(self.array, self.medium, self.loads)
         return self.taxels.measure(

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import TaxelArray
 from tactile.core.loads import COLUMNS
-from tactile.elastic.medium import FieldQuantity, Medium
+from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.field import Contact, Field
@@ -40,8 +40,9 @@ class IdealSkin:
     bumps: "Bumps | None"
 
     def medium(self, finger: int) -> Medium:
-        """The cover of a finger."""
-        return Medium(self.modulus, quantity=cast(FieldQuantity, self.arrays[finger].quantity))
+        """The cover of a finger; forces are sums of stress."""
+        quantity = self.arrays[finger].quantity
+        return Medium(self.modulus, quantity="stress" if quantity == "force" else quantity)
 
     def contacts(self, finger: int) -> tuple[Contact, ...]:
         """All that presses on a finger."""

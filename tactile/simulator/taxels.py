@@ -39,8 +39,8 @@ class TaxelLayout:
 
     @classmethod
     def of(cls, array: TaxelArray) -> "TaxelLayout":
-        """Points at the places of an array."""
-        return cls(array.positions(), array.depth)
+        """Points at the places of an array; force taxels at the surface have their pitch as depth."""
+        return cls(array.positions(), array.depth or array.pitch)
 
     def raised(self, thicker: Floats) -> "TaxelLayout":
         """The taxels under a cover that is thicker by another (rows, cols) [m]."""

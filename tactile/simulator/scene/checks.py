@@ -33,8 +33,11 @@ def check(scene: Any) -> None:  # a `Scene`, which imports this
     if not names or len(set(names)) < len(names):
         raise InputError(f"scene {scene.title!r}: arrays {names}, at least one and no name twice wanted")
     for array in scene.arrays:
-        if array.quantity == "force":
-            raise InputError(f"scene {scene.title!r}: array {array.name!r} of force; strain or stress wanted")
+        if array.quantity == "force" and (scene.bumps is not None or not array.shear):
+            raise InputError(
+                f"scene {scene.title!r}: array {array.name!r} of force on bumps or of the normal alone; three axes "
+                "under a flat cover wanted, or strain or stress"
+            )
     for contact in (*scene.loads, *scene.contacts):
         if not is_whole(getattr(contact, "finger", None)) or contact.finger not in range(len(names)):
             raise InputError(f"scene {scene.title!r}: {contact!r}; a finger from 0 to {len(names) - 1} wanted")

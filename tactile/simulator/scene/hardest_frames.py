@@ -56,7 +56,7 @@ def hardest_frames(field: Field, frames: int, rate: float, count: int = FEW) -> 
         near = np.zeros(len(t))
         for strength, aside in zip(most, spread, strict=True):
             places, force = strength(t)
-            near += force / (_squares(places, field.array) + aside)
+            near += force / (_squares(places, field.array, field.taxels.depth) + aside)
         best, times = np.append(best, near), np.append(times, t)
         first = np.argsort(-best, kind="stable")[:count]
         best, times = best[first], times[first]
@@ -129,9 +129,9 @@ def _sizes(forces: Floats) -> Floats:
     return np.asarray(np.sqrt(np.einsum("...f,...f->...", forces, forces)))
 
 
-def _squares(places: Floats, array: TaxelArray) -> Floats:
+def _squares(places: Floats, array: TaxelArray, depth: float) -> Floats:
     """Squared distance [m^2] from places (n, 2) on the surface to the nearest taxel."""
-    square = np.full(len(places), array.depth**2)
+    square = np.full(len(places), depth**2)
     for axis, count in ((0, array.cols), (1, array.rows)):
         at = (places[:, axis] - array.origin[axis]) / array.pitch + (count - 1) / 2
         square += ((at - np.clip(np.rint(at), 0, count - 1)) * array.pitch) ** 2

@@ -70,8 +70,8 @@ class Scene:
     Iterating warns by `ModelRangeWarning` of every line of ``range_notes``.
 
     Raises:
-        InputError: a rate, duration or modulus that is not positive, no array or two of one name, an array of force,
-            a load or contact on a missing finger; with the first frame, what ``range_notes`` raises.
+        InputError: a rate, duration or modulus that is not positive, no array or two of one name, an array of force
+            on bumps, a load or contact on a missing finger; with the first frame, what ``range_notes`` raises.
     """
 
     title: str
@@ -135,8 +135,9 @@ class Scene:
         return max(1, round(self.rate * self.duration))
 
     def unit(self, finger: int) -> float:
-        """The reading of strain 1: 1, or E [Pa] where stress is read."""
-        return self.modulus if self.arrays[finger].quantity == "stress" else 1.0
+        """The reading of strain 1: 1, or E [Pa] where stress is read, or E times the square of the pitch [N]."""
+        array = self.arrays[finger]
+        return {"strain": 1.0, "stress": self.modulus, "force": self.modulus * array.pitch**2}[array.quantity]
 
     @cached_property
     def skin(self) -> IdealSkin:

@@ -13,6 +13,8 @@ SOFTEST, HARDEST = 1e3, 1e10
 """Young's moduli [Pa] between a soft gel and a hard polymer."""
 OUTSIDE = 3.0
 """Distance of a load from the outermost taxels [depths], beyond which they read 1 % of its peak."""
+LATEST = 100.0
+"""End of a path over the scene's duration: scenes are cut short on purpose, to try them, by smaller factors."""
 HIGHEST = 1e3
 """Range of a height map over its pitch."""
 
@@ -41,18 +43,17 @@ def doubtful_units(scene: Any) -> Iterator[str]:  # a `Scene`, which imports thi
 
 
 def _path(scene: Any, contact: Any) -> Iterator[str]:
-    """Lines for a path that lies off the pad, lasts less than a frame, or lies after the scene for the most part."""
+    """Lines for a path that lies off the pad, lasts less than a frame, or ends long after the scene."""
     if not hasattr(contact, "path"):
         return
     path = contact.path
     name, begin, end = type(contact).__name__, float(path[0, 0]), float(path[-1, 0])
     if len(path) > 1 and end - begin < 1 / scene.rate:
         yield f"{name}: a path of {end - begin:.3g} s; at least a frame of {1 / scene.rate:.3g} s wanted"
-    cut = end - max(begin, scene.duration)
-    if len(path) > 1 and cut > max((end - begin) / 2, 1 / scene.rate):  # less is how one shortens a scene
+    if len(path) > 1 and end > LATEST * scene.duration:
         yield (
-            f"{name}: a path from {begin:.3g} to {end:.3g} s; at most the scene's duration of {scene.duration:.3g} s "
-            f"wanted, after which {cut / (end - begin):.0%} of it lie"
+            f"{name}: a path until {end:.3g} s in a scene of {scene.duration:.3g} s, at most {LATEST:g} times its "
+            "duration wanted: times are in seconds"
         )
     if path.shape[1] < 3:  # a traction map stays in its place
         return
@@ -62,10 +63,11 @@ def _path(scene: Any, contact: Any) -> Iterator[str]:
     ahead = np.linspace(places[:-1], places[1:], 16).reshape(-1, 2) if len(path) > 1 else places
     off = np.maximum(np.maximum(at.min(axis=0) - ahead, ahead - at.max(axis=0)), 0)
     nearest = float(np.hypot(off[:, 0], off[:, 1]).min())
-    if nearest > OUTSIDE * array.depth:
+    depth = array.depth or array.pitch  # force taxels may lie at the surface
+    if nearest > OUTSIDE * depth:
         yield (
             f"{name}: {nearest * 1e3:.3g} mm or more from the taxels of {array.name!r}; at most {OUTSIDE:g} depths of "
-            f"{array.depth * 1e3:.3g} mm wanted: places are in metres"
+            f"{depth * 1e3:.3g} mm wanted: places are in metres"
         )
 
 
@@ -84,7 +86,10 @@ def _signal(scene: Any, finger: int) -> Iterator[str]:
     """Lines for the largest reading of a few frames below the dead band, the noise, or a count of the converter."""
     array, unit, effects = scene.arrays[finger], scene.unit(finger), dict(scene.effects)
     largest = float(np.abs(checked_field(scene, finger).values).max(initial=0))
-    of, said = "Pa" if array.quantity == "stress" else "of strain", f"{array.name}: readings up to {largest:.3g}"
+    of, said = (
+        {"strain": "of strain", "stress": "Pa", "force": "N"}[array.quantity],
+        f"{array.name}: readings up to {largest:.3g}",
+    )
     full, least = scene.full_scale * unit, CONTACT[array.quantity].dead_band
     if 0 < largest <= least:
         yield f"{said} {of}; above the dead band of {least:g} wanted, below which nothing is a contact"

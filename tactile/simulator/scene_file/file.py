@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from cnnsim.support import InputError
 from cnnsim.support.error_list import ErrorList
@@ -11,6 +11,7 @@ from cnnsim.support.limits import FRAMES, RATE, check_most
 from cnnsim.support.toml_file import line_of, read_toml, take, take_choice, take_from_zero, take_positive, take_tables
 from tactile.core.array_table import take_array
 from tactile.core.file_kinds import refuse_other_kind
+from tactile.core.frame import Quantity
 from tactile.simulator.scene.scene import FULL_SCALE, Scene
 from tactile.simulator.scene_file.keys import check_scene_keys
 from tactile.simulator.scene_file.table_values import read_load, take_seed
@@ -81,7 +82,7 @@ def bare_scene(table: dict[str, Any], where: str, folder: Path = Path()) -> tupl
     cover = read(take, table, "cover", dict, where) or {}
     of_cover = f"{where}: [cover]"
     modulus = read(take_positive, cover, "youngs_modulus_mpa", of_cover)
-    quantity = read(take_choice, cover, "quantity", ("strain", "stress"), of_cover, "strain")
+    quantity = read(take_choice, cover, "quantity", get_args(Quantity), of_cover, "strain")
     full_scale = read(take_positive, cover, "full_scale", of_cover, FULL_SCALE)
     bumpy = read(take_choice, cover, "kind", ("flat", "bump"), of_cover, "flat") == "bump"
     fingers = _tables(table, "finger", where, read)

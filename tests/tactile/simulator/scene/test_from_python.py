@@ -50,7 +50,7 @@ def test_effects_are_named_and_put_in_order() -> None:
         ({"modulus": float("nan")}, "modulus nan"),
         ({"arrays": []}, "at least one"),
         ({"arrays": [PAD, PAD]}, "no name twice"),
-        ({"arrays": [TaxelArray("f", 2, 2, 1e-3, 0.0, quantity="force")]}, "array 'f' of force"),
+        ({"arrays": [TaxelArray("f", 2, 2, 1e-3, 0.0, quantity="force", shear=False)]}, "array 'f' of force"),
         ({"loads": [MovingLoad(1, PATH)]}, "a finger from 0 to 0 wanted"),
     ],
 )

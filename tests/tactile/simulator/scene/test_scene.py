@@ -74,7 +74,7 @@ def test_grip_scene_is_in_time_order_and_its_loads_are_found() -> None:
         ({"load": [{"finger": "left", "path": []}]}, "no keyframe"),
         ({"load": [{"finger": "left", "path": [[0, 1, 2]]}]}, r"keyframe \[t_s.* 1 = \[0, 1, 2\], a list of 6"),
         ({"load": [{"finger": "left", "path": [[1.0] * 6, [1.0] * 6]}]}, "keyframe 2 at t_s = 1.0 after 1.0"),
-        ({"cover": {"youngs_modulus_mpa": 2, "quantity": "force"}}, "quantity = 'force'"),
+        ({"cover": {"youngs_modulus_mpa": 2, "quantity": "pressure"}}, "quantity = 'pressure'"),
         ({"cover": {"youngs_modulus": 2}}, "did you mean 'youngs_modulus_mpa'"),
         ({"finger": [{"name": "left"}]}, "finger 1: no .*'pitch_mm'"),
         ({"finger": []}, "at least one"),

@@ -64,7 +64,7 @@ duraton_s = 2.0
 dtype = "float32"
 [cover]
 youngs_modulus_mpa = -2
-quantity = "force"
+quantity = "pressure"
 [[finger]]
 name = "a"
 rows = 0
@@ -91,7 +91,7 @@ rms = -1
         "rate_hz = -5.0",
         "dtype in a scene; none wanted: fields are computed on the CPU in float64",
         "youngs_modulus_mpa = -2.0",
-        "quantity = 'force'",
+        "quantity = 'pressure'",
         "finger 1: rows = 0",
         "load 1: finger = 'nobody'",
         "load 1: keyframe",
