@@ -80,12 +80,18 @@ def _new_firmware(name: str | None, array: Path | None, rate: int | None, output
 
     if array is None:
         raise click.UsageError("--array FILE of the board wanted")
-    files = firmware(read_description(array), check_name(name or array.stem, "firmware"), rate or RATE)
-    folder = output / (name or array.stem)
+    name = check_name(name or array.stem, "firmware")
+    folder = output / name
+    there = [path for path in (folder / f"{name}.ino", folder / "code.py") if replace and path.is_file()]
+    filled = {path.name: path.read_text(encoding="utf-8") for path in there}
+    files = firmware(read_description(array), name, rate or RATE, filled)
     check_free(*(folder / file for file in files), replace=replace)
     for file, text in files.items():
         write_text(folder / file, text, replace=replace)
     echo(f"-> {folder}/: {', '.join(files)}")
+    if filled:
+        echo(f"{' and '.join(filled)}: the configuration is new, the rest is kept")
+        return
     echo("fill in read_taxels of the sketch (Arduino) or of code.py (CircuitPython), and load it into the board")
     echo(f"to read it: tactile live -p PORT -a {array}; PORT is one of `tactile ports`")
 

@@ -1,6 +1,7 @@
 """Firmware for an array description: the sketch, header and CircuitPython file of examples/firmware, configured."""
 
 import re
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -17,14 +18,16 @@ LARGEST = 2**15 - 1
 _BLOCK = r"(?<=begin of the configuration\n)(.*?)(?=\S+ end of the configuration)"
 
 
-def firmware(description: Description, name: str, rate: int = RATE) -> dict[str, str]:
+def firmware(
+    description: Description, name: str, rate: int = RATE, filled: Mapping[str, str] | None = None
+) -> dict[str, str]:
     """Return the files of a firmware by name: NAME.ino, tactile_native.h and code.py.
 
     Boards with gains send int16 counts, which the host multiplies by the gains; other boards, and those whose gains are
-    too small for int16, send float32.
+    too small for int16, send float32. Of the files in ``filled``, by name, only the configuration is written anew.
 
     Raises:
-        InputError: the protocol is not ``native``.
+        InputError: the protocol is not ``native``; a filled file without the lines around the configuration.
     """
     if description.wire.name != "native":
         raise InputError(f"{name}: protocol {description.wire.name!r}; native wanted, which the firmware sends")
@@ -32,8 +35,15 @@ def firmware(description: Description, name: str, rate: int = RATE) -> dict[str,
     configurations = {SKETCH: _cpp(description, rate), PYTHON: _python(description, rate)}
     written = {HEADER: shipped[HEADER].read_text(encoding="utf-8")}
     for file, lines in configurations.items():
-        before, _, after = re.split(_BLOCK, shipped[file].read_text(encoding="utf-8"), maxsplit=1, flags=re.DOTALL)
         to = "code.py" if file == PYTHON else f"{name}.ino"
+        text = (filled or {}).get(to) or shipped[file].read_text(encoding="utf-8")
+        parts = re.split(_BLOCK, text, maxsplit=1, flags=re.DOTALL)
+        if len(parts) != 3:
+            raise InputError(
+                f"{to}: no lines 'begin of the configuration' and 'end of the configuration', between which it is "
+                "written anew; a file with both wanted, or another --output"
+            )
+        before, _, after = parts
         written[to] = before + "".join(f"{line}\n" for line in lines) + after
     return written
 

@@ -169,6 +169,26 @@ def test_the_code_of_the_page_reads_each_taxel_of_an_array(tmp_path: Path) -> No
         assert np.array_equal(reading.values, (100 * row + 10 * col + axis).reshape(-1, 3))
 
 
+def test_replace_keeps_what_the_user_has_filled_in(tmp_path: Path) -> None:
+    words = "new", "firmware", "board", "-a", FIRMWARE / "array.toml", "-o", tmp_path
+    assert call(*words).exit_code == 0
+    sketch, code = tmp_path / "board" / "board.ino", tmp_path / "board" / "code.py"
+    for path in (sketch, code):
+        path.write_text(path.read_text().replace("FILL IN", "my own sensors"))
+    assert call(*words).exit_code == 2
+    done = call(*words, "--rate-hz", "250", "--replace")
+    assert done.exit_code == 0, done.output
+    assert "board.ino and code.py: the configuration is new, the rest is kept" in done.output
+    assert "RATE_HZ = 250, BAUDRATE" in sketch.read_text()
+    assert "RATE_HZ = 250\n" in code.read_text()
+    assert all("my own sensors" in path.read_text() for path in (sketch, code))
+    code.write_text("my own program")
+    refused = call(*words, "--replace")
+    assert refused.exit_code == 2
+    assert "code.py: no lines 'begin of the configuration'" in refused.stderr
+    assert code.read_text() == "my own program"
+
+
 OWN = """
 protocol = "native"
 [[finger]]
