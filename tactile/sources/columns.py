@@ -25,6 +25,12 @@ class ColumnFrames:
     def __len__(self) -> int:
         return sum(finger["t_s"].size for finger in self._fingers)
 
+    @property
+    def step_back(self) -> bool:
+        """Whether a time is earlier than that of the frame before."""
+        place, t = (np.concatenate([finger[name] for finger in self._fingers]) for name in ("place", "t_s"))
+        return bool((np.diff(t[np.argsort(place, kind="stable")]) < 0).any())
+
     def __iter__(self) -> Iterator[Frame]:
         place = np.concatenate([finger["place"] for finger in self._fingers])
         number = np.repeat(np.arange(len(self._fingers)), [finger["t_s"].size for finger in self._fingers])

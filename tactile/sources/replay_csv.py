@@ -8,7 +8,7 @@ The file begins with the header of `tactile.core.header` as comment lines:
     # name = "left"
     # ...
 
-Then a line of column names and the frames, ordered in time:
+Then a line of column names and the frames, ordered in time (else their stamps are repaired, with a notice):
 
     t_s,t_device_s,finger,sequence,flags,x0,y0,n0,x1,y1,n1,...
 
@@ -19,6 +19,7 @@ the taxel invalid; ``t_device_s`` is empty where the device has no clock.
 
 import csv
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import TextIO
@@ -31,6 +32,7 @@ from cnnsim.support.limits import LABELS, TABLE, check_file, one_line
 from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
 from tactile.core.source import ForeignFileError, FrameStream, Source
+from tactile.sources.stamps import in_order
 
 FIXED_COLUMNS = ("t_s", "t_device_s", "finger", "sequence", "flags")
 
@@ -39,8 +41,8 @@ def read_csv(path: Path) -> FrameStream:
     """Read a recording.
 
     Raises:
-        InputError: no such file, or a line that is incomplete, out of time order or inconsistent with the header; the
-            message names file, line and what is expected.
+        InputError: no such file, or a line that is incomplete or inconsistent with the header; the message names
+            file, line and what is expected; stamps that step back, without another clock.
     """
     with one_line(path, "a CSV recording"):
         check_file(path, "recording", TABLE)
@@ -84,13 +86,11 @@ def _read(path: Path, lines: Iterator[str]) -> FrameStream:
     frames: list[Frame] = []
     for row in rows:
         where = f"{path}, line {start + rows.line_num}"
-        frame = _read_frame(row, arrays, fixed, where)
-        if frames and frame.t < frames[-1].t:
-            raise InputError(f"{where}: t_s = {frame.t} after {frames[-1].t}, increasing times wanted")
-        frames.append(frame)
+        frames.append(_read_frame(row, arrays, fixed, where))
     if not frames:
         raise InputError(f"{path}: no frames after the column names, at least one wanted")
-    return head.stream(frames, len(frames))
+    ordered, notes = in_order(frames, arrays, str(path))
+    return replace(head.stream(ordered, len(frames)), notes=notes)
 
 
 def write_csv(path: Path, source: Source) -> None:

@@ -7,6 +7,7 @@ positions of these frames in the recording; and, if a device has flags, ``s0_fla
 `tactile.core.frame.FLAGS`.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from tactile.core.header import header_text, read_header
 from tactile.core.source import FrameStream, Source
 from tactile.sources.columns import COLUMNS, ColumnFrames, take_column
 from tactile.sources.replay_pillars import read_pillars
+from tactile.sources.stamps import in_order
 
 
 def read_npz(path: Path) -> FrameStream:
@@ -32,7 +34,8 @@ def read_npz(path: Path) -> FrameStream:
             return read_pillars(file, path)
         header = read_header(str(file["tactile"]), str(path), "array tactile")
         frames = ColumnFrames([_columns(file, n, array, path) for n, array in enumerate(header.arrays)])
-    return header.stream(frames, len(frames))
+    ordered, notes = in_order(list(frames), header.arrays, str(path)) if frames.step_back else (frames, ())
+    return replace(header.stream(ordered, len(frames)), notes=notes)
 
 
 def _columns(file: "np.lib.npyio.NpzFile", number: int, array: TaxelArray, path: Path) -> dict[str, Any]:

@@ -1,10 +1,12 @@
 """Checks of time stamps, and their repair by another clock of the same recording."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from cnnsim.support import Floats, InputError
+from tactile.core.frame import Frame, TaxelArray
 
 UNIX = 3 * 10**17
 """[ns] Smallest stamp that counts as Unix time: 1979."""
@@ -39,6 +41,36 @@ def settled(stamps: Floats, others: Mapping[str, Floats], what: str) -> tuple[Fl
         raise InputError(f"{what}: they {fault}, and there is no other clock; {wanted}")
     name, other = next(iter(sound.items()))
     return other, f"{what} {fault}; the times of {name} are used"
+
+
+def in_order(
+    frames: Sequence[Frame], arrays: tuple[TaxelArray, ...], where: str
+) -> tuple[Sequence[Frame], tuple[str, ...]]:
+    """Return the frames of a recording in the order of their times, and sentences on the repair of their stamps.
+
+    Stamps of a finger that step back are replaced by the device's clock, or by the sequence numbers.
+
+    Raises:
+        InputError: as ``settled``.
+    """
+    times = np.array([frame.t for frame in frames])
+    if not (np.diff(times) < 0).any():
+        return frames, ()
+    fingers, notes = np.array([frame.finger for frame in frames]), []
+    for number, array in enumerate(arrays):
+        mine = fingers == number
+        if not mine.any():
+            continue
+        clocks = [(frame.t_device, frame.sequence) for frame in frames if frame.finger == number]
+        (device, sequence), stamps = np.array(clocks, np.float64).T, times[mine]
+        others = {"the device": device - device[0], "the sequence numbers": counted(sequence, stamps)}
+        others = {name: stamps[0] + one for name, one in others.items()}
+        times[mine], note = settled(stamps, others, f"{where}: t_s of finger {array.name!r}")
+        notes.append(note)
+    if not any(notes):
+        notes.append(f"{where}: fingers one after the other; their frames are merged by time")
+    order = np.argsort(times, kind="stable").tolist()
+    return [replace(frames[k], t=float(times[k])) for k in order], tuple(filter(None, notes))
 
 
 COUNTS = ("the sequence numbers", "rate_hz")

@@ -13,7 +13,7 @@ SOFTEST, HARDEST = 1e3, 1e10
 """Young's moduli [Pa] between a soft gel and a hard polymer."""
 OUTSIDE = 3.0
 """Distance of a load from the outermost taxels [depths], beyond which they read 1 % of its peak."""
-LATEST = 100.0
+LATEST = 300.0
 """End of a path over the scene's duration: scenes are cut short on purpose, to try them, by smaller factors."""
 HIGHEST = 1e3
 """Range of a height map over its pitch."""

@@ -14,7 +14,7 @@ from tactile.core.source import FrameStream, Source
 from tactile.simulator.scene_file.file import read_scene, scene_from
 from tactile.sources import open_source
 from tactile.sources.replay_csv import read_csv, write_csv
-from tactile.sources.replay_npz import read_npz
+from tactile.sources.replay_npz import read_npz, write_npz
 from tests.kits.touch.source import GRIP, parsed
 
 
@@ -76,7 +76,6 @@ def broken(tmp_path: Path, number: int, change: Callable[[str], str]) -> Path:
         (14, lambda line: line.replace("left", "top"), "line 14: finger 'top', one of left"),
         (14, lambda line: "x" + line, "line 14: t_s = 'x0.01', a number"),
         (14, lambda line: "," + line.split(",", 1)[1], "line 14: t_s = '', a finite time"),
-        (16, lambda line: "0.001," + line.split(",", 1)[1], "line 16: t_s = 0.001 after 0.02"),
         (17, lambda line: line[:-1] + "z", "line 17: n5 = .*z', a number or nothing"),
         (15, lambda line: line.replace(",left,2,0,", ",left,2,-1,"), "line 15: flags -1, from 0 to"),
         (15, lambda line: line.replace(",left,2,0,", ",left,2,x,"), "line 15: flags 'x', a whole number"),
@@ -209,3 +208,26 @@ def test_a_folder_that_is_no_ros_bag_is_refused(tmp_path: Path) -> None:
     folder.mkdir()
     with pytest.raises(InputError, match=r"scene\.toml: a folder, and no ROS bag \(no metadata\.yaml in it\)"):
         open_source(folder)
+
+
+@pytest.mark.parametrize("suffix", (".csv", ".npz"))
+def test_stamps_that_step_back_are_replaced_with_a_sentence(tmp_path: Path, suffix: str) -> None:
+    array = TaxelArray("left", 1, 1, 1e-3, 1e-3)
+
+    def written(times: list[float], sequence: list[int], device: bool) -> Path:
+        frames = [
+            Frame(0, t, n, np.ones((1, 1, 3)), np.ones((1, 1), bool), 7 + n / 100 if device else np.nan)
+            for t, n in zip(times, sequence, strict=True)
+        ]
+        path = tmp_path / f"r{suffix}"
+        {".csv": write_csv, ".npz": write_npz}[suffix](path, FrameStream("r", (array,), 1e6, len(frames), frames))
+        return path
+
+    stepped = [2.0, 2.01, 1.5, 2.03, 2.04]
+    for device, clock in ((True, "the device"), (False, "the sequence numbers")):
+        source = open_source(written(stepped, [0, 1, 2, 3, 4], device))
+        assert [frame.t for frame in source] == pytest.approx([2.0, 2.01, 2.02, 2.03, 2.04])
+        (note,) = getattr(source, "notes")  # noqa: B009 - of some sources
+        assert f"'left' step back by 0.51 s at sample 2; the times of {clock} are used" in note
+    with pytest.raises(InputError, match=r"step back by 0.51 s at sample 2, and there is no other clock"):
+        open_source(written(stepped, [0, 1, 1, 0, 4], False))

@@ -178,7 +178,7 @@ def held(push: float = 0.05, x: float = 5e-4, until: float = 1.0) -> tuple[Movin
         (scene(held(), modulus=2.4), "modulus 2.4 Pa; 1000 (a soft gel) to 1e+10 Pa"),
         (scene(held(), modulus=2.4e12), "modulus 2.4e+12 Pa"),
         (scene(held(x=0.5)), "500 mm or more from the taxels of 'pad'; at most 3 depths of 1 mm"),
-        (scene(held(until=2000.0)), "a path until 2e+03 s in a scene of 2 s, at most 100 times"),
+        (scene(held(until=2000.0)), "a path until 2e+03 s in a scene of 2 s, at most 300 times"),
         (scene(held(until=1e-3)), "a path of 0.001 s; at least a frame of 0.01 s"),
         (scene(held(5e-5)), "above the dead band of 0.001 wanted"),
         (scene(held(), ReadNoise(1.0)), "above the noise of"),
@@ -192,5 +192,5 @@ def held(push: float = 0.05, x: float = 5e-4, until: float = 1.0) -> tuple[Movin
 )
 def test_numbers_of_a_wrong_unit_are_reported_with_both_sides(doubtful: Scene, wanted: str) -> None:
     assert wanted in "\n".join(doubtful_units(doubtful))
-    for sound in (scene(held()), scene(held(until=100.0))):  # a scene that is cut short on purpose
+    for sound in (scene(held()), scene(held(until=500.0))):  # a scene that is cut short on purpose
         assert list(doubtful_units(sound)) == []
