@@ -14,6 +14,9 @@ from tactile.events.event import Data, Event
 from tactile.events.hand import Hand
 from tactile.inverse.load import Load
 
+SIGMAS = 3.0
+"""Least tangential load over its noise that has a direction."""
+
 
 class FingerState(Protocol):
     """The attributes of a finger that the event builder reads."""
@@ -71,7 +74,10 @@ class EventBuilder:
 
 def _data(what: Transition, load: Load, code: Code) -> Data:
     data: dict[str, str | int | float] = {"of_taxels": code.contact.size}
-    direction = direction_of((load.Q, load.R)) if what.rule.along_load else what.direction
+    noise = SIGMAS * np.hypot(*load.scatter[2:4])
+    noisy = np.hypot(load.Q, load.R) <= noise  # False where the noise is unknown
+    along = "" if noisy else direction_of((load.Q, load.R))
+    direction = along if what.rule.along_load else what.direction
     if direction:
         data["direction"] = direction
     if what.sense:
@@ -86,9 +92,14 @@ def _data(what: Transition, load: Load, code: Code) -> Data:
 
 
 def _ended(event: Event, end: float | None, travelled: tuple[float, float] | None) -> Event:
-    """Return the event with its end; a slip also has the distance that the located load travelled."""
+    """Return the event with its end; a slip also has the distance that the located load travelled.
+
+    Its direction, that of the tangential load, is that of the travel where there is no tangential load.
+    """
     data = dict(event.data)
     if travelled is not None and event.kind == "slip":
         dx, dy = travelled
         data |= {"length_m": float(np.hypot(dx, dy)), "dx_m": dx, "dy_m": dy}
+        if "direction" not in data and (direction := direction_of(travelled)):
+            data["direction"] = direction
     return replace(event, end=end, data=data)

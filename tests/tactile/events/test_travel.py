@@ -8,6 +8,8 @@ import pytest
 from tactile.events.load_travel import Travel
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
+from tactile.simulator.scene_file.file import scene_from
+from tests.kits.touch.made import events
 
 
 def at(x: float) -> Load:
@@ -45,3 +47,18 @@ def test_an_uncertain_place_does_not_travel() -> None:
         found.append(travel.update(n / 250, replace(at(x), scatter=sigma), contact=True))
     assert not any(found[:32])
     assert found[32]
+
+
+@pytest.mark.parametrize(("shear", "direction"), [(0.0, "-x"), (0.2, "+x")])
+def test_a_slip_has_the_direction_of_the_tangential_load_or_else_of_its_travel(shear: float, direction: str) -> None:
+    path = [[t, x, 0, q, 0, f] for t, x, q, f in (
+        (0.2, 1.5, 0, 0), (0.4, 1.5, shear, 0.5), (0.7, 1.5, shear, 0.5), (1.2, -1.5, shear, 0.5), (1.6, -1.5, shear, 0.5),
+    )]  # fmt: skip
+    table = {
+        "title": "t", "rate_hz": 100, "duration_s": 1.6, "cover": {"youngs_modulus_mpa": 2.4, "quantity": "strain"},
+        "finger": [{"name": "pad", "rows": 4, "cols": 4, "pitch_mm": 1.5, "depth_mm": 1.5}],
+        "load": [{"finger": "pad", "path": path}], "effect": {"read_noise": {"rms": 0.0005}},
+    }  # fmt: skip
+    (slip,) = (event for event in events(scene_from(table, "here")) if event.kind == "slip")
+    assert slip.data["direction"] == direction
+    assert slip.words.startswith(f"slip {direction}")
