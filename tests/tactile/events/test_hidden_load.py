@@ -43,6 +43,7 @@ def test_a_load_without_normal_strain_is_a_contact(pitch: float, side: int, nois
     assert times["release"] == [pytest.approx(2.15, abs=0.06)]
 
 
+@pytest.mark.filterwarnings("ignore:.*above the dead band:UserWarning")
 def test_a_small_load_and_one_outside_the_array_are_no_contact() -> None:
     assert [event.kind for event in press(3.0, 2, force=0.03)] == []
     assert [event.kind for event in press(1.5, 2, at=3.0)] == []
