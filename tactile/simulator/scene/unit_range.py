@@ -38,7 +38,9 @@ def doubtful_units(scene: Any) -> Iterator[str]:  # a `Scene`, which imports thi
             yield from _tone(scene, contact)
     shaken = any(effect.RANDOM and effect.STAGE == "field" for _, effect in scene.effects)
     for finger in range(0 if shaken else len(scene.arrays)):  # a shaken contact may press harder than it shows here
-        if any(one.finger == finger for one in (*scene.loads, *scene.contacts)):
+        mine = [one for one in (*scene.loads, *scene.contacts) if one.finger == finger]
+        cut = any(hasattr(one, "path") and one.path[-1, 0] > scene.duration for one in mine)  # may press harder later
+        if mine and not cut:
             yield from _signal(scene, finger)
 
 
