@@ -36,7 +36,7 @@ class Playground(anywidget.AnyWidget):
         InputError: no such template, a picture that does not fit, or a wrong change.
     """
 
-    _esm = _module("base.js", "pane.js", "view.js")
+    _esm = _module("base.js", "pane.js", "controls.js", "view.js")
     _css = PAGE / "view.css"
 
     def __init__(

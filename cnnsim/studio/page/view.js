@@ -1,7 +1,8 @@
 // The picture view: an Anywidget module that shows input and state, draws into them, and plays the run.
-// A notebook loads it with base.js and pane.js as one file; so no two names of the three are the same.
+// A notebook loads it with base.js, pane.js and controls.js as one file; so no two of their names are the same.
 
-import { BLACK, GREY, Link, WHITE, h, paint } from "./base.js";
+import { Link, h, paint } from "./base.js";
+import { Controls } from "./controls.js";
 import { Pane } from "./pane.js";
 
 /** @typedef {import("./base.js").Content} Content */
@@ -9,9 +10,10 @@ import { Pane } from "./pane.js";
 /** @typedef {import("./base.js").Model} Model */
 
 /** The whole view. */
-export class View {
+export class View extends Controls {
   /** @param {Link} link @param {HTMLElement} host */
   constructor(link, host) {
+    super();
     this.link = link;
     this.playing = false;
     this.index = this.first = this.t = 0;
@@ -26,8 +28,6 @@ export class View {
     /** @type {Uint8Array} */
     this.start = new Uint8Array();
     this.stroke = false;
-    /** @type {{[key: string]: any}} */
-    this.tabs = {};
     this.side = "input";
     this.show = "x";
     this.layer = this.frame = 0;
@@ -37,7 +37,9 @@ export class View {
     this.framed = () => {};
     this.left = new Pane("input u: draw here");
     this.right = new Pane("state x: click a cell");
-    this.build(host);
+    this.build(host, this.left.box, this.right.box);
+    this.turn("input");
+    this.see("x");
     this.left.bind(this, () => this.side);
     this.right.bind(this, () => "state");
     link.failed = (text) => this.say(text, true);
@@ -46,58 +48,6 @@ export class View {
       if (reply.content.is === "planes") this.planes(reply);
       if (reply.content.notice) this.say(reply.content.notice);
     });
-  }
-
-  /** @param {HTMLElement} host */
-  build(host) {
-    const button = (/** @type {string} */ name, /** @type {string} */ title, /** @type {string} */ text, /** @type {any} */ act) =>
-      h("button", { name, title, "aria-label": title, onclick: act }, text);
-    const tab = (/** @type {string} */ name, /** @type {string} */ text, /** @type {any} */ act) =>
-      h("button", { name, class: "cw-tab", onclick: act }, text);
-    this.tabs = {
-      input: tab("input", "Input u", () => this.turn("input")), start: tab("start", "Start x(0)", () => this.turn("start")),
-      x: tab("x", "State x", () => this.see("x")), y: tab("y", "Output y", () => this.see("y")),
-    };
-    this.layers = h("select", { name: "layer", title: "layer", "aria-label": "layer", hidden: true, onchange: () => this.pick() });
-    this.frames = h("select", { name: "frame", title: "picture of the sequence", "aria-label": "picture of the sequence", hidden: true,
-      onchange: () => this.pick() });
-    this.note = h("span", { class: "cw-note" }, "draw here");
-    const group = `ink-${Math.random()}`;
-    const choice = (/** @type {number} */ value, /** @type {string} */ text, /** @type {boolean} */ on) =>
-      h("label", {}, h("input", { type: "radio", name: group, "data-ink": text, value, checked: on }), text);
-    this.ink = h("fieldset", { class: "cw-inks", "aria-label": "colour to draw with" }, choice(BLACK, "black", true),
-      choice(GREY, "grey", false), choice(WHITE, "erase", false));
-    this.brush = h("input", { type: "range", name: "brush", min: 1, max: 15, value: 3, title: "width of the brush [cells]",
-      "aria-label": "width of the brush" });
-    this.extra = h("span", { class: "cw-extra" });
-    this.playButton = button("play", "play or pause (space)", "▶ Play", () => this.toggle());
-    this.scrub = h("input", { type: "range", name: "scrub", min: 0, max: 1, value: 0, step: 1, class: "cw-scrub",
-      "aria-label": "time", oninput: () => this.seek(Number(this.scrub.value)) });
-    this.clock = h("output", { class: "cw-clock", name: "clock" }, "t = 0");
-    const speeds = [["-10", "slow"], ["1", "1 step"], ["2", "2 steps"], ["5", "5 steps"], ["10", "10 steps"], ["50", "50 steps"]];
-    this.speed = h("select", { name: "speed", title: "steps a picture", "aria-label": "steps a picture" },
-      speeds.map(([value, text]) => h("option", { value }, text)));
-    this.speed.value = "1";
-    this.rest = h("input", { type: "checkbox", name: "rest", checked: true });
-    this.status = h("div", { class: "cw-status", role: "status" });
-    host.append(h("div", { class: "cw-view", onkeydown: (/** @type {KeyboardEvent} */ e) => this.key(e) },
-      h("div", { class: "cw-panes" },
-        h("section", { class: "cw-pane" }, h("div", { class: "cw-head" }, this.tabs.input, this.tabs.start, this.frames, this.note), this.left.box),
-        h("section", { class: "cw-pane" }, h("div", { class: "cw-head" }, this.tabs.x, this.tabs.y, this.layers,
-          h("span", { class: "cw-note", title: "click a cell to see what it does; drag to paint the present state" }, "click a cell; drag to paint")), this.right.box)),
-      h("div", { class: "cw-row" }, this.ink, h("label", { class: "cw-label" }, "width ", this.brush), this.extra),
-      h("div", { class: "cw-row" }, button("restart", "to the start (Home)", "|◀", () => this.restart()),
-        button("previous", "a step back (,)", "◀", () => this.go({ to: Math.max(this.first, this.index - 1) })), this.playButton,
-        button("next", "a step on (.)", "▶|", () => this.go({ by: 1 })), this.scrub, this.clock, this.speed,
-        h("label", { class: "cw-label", title: "stop when nothing changes, or at the template's own time" }, this.rest, "stop at rest")),
-      h("div", { class: "cw-row cw-key" }, this.legend(), this.status)));
-    this.turn("input");
-    this.see("x");
-  }
-
-  legend() {
-    const part = (/** @type {string} */ name, /** @type {string} */ text) => [h("i", { class: `cw-${name}` }), text];
-    return h("span", { class: "cw-legend" }, part("below", "x < -1"), part("inside", "-1 to +1"), part("above", "x > +1"));
   }
 
   /** Takes the planes of a reply to open, set, draw or picture. @param {Reply} reply */
