@@ -20,6 +20,7 @@ from tests.kits.paths import ROOT
 OFFERED = {
     "run", "run_program", "run_transient", "trajectory", "UniversalMachine", "load_program", "Program", "Template",
     "from_gray", "to_planes", "plot", "Trajectory", "accuracy", "design", "robust", "trace",
+    "gradient", "train", "Training", "TrainingTask", "Stage",
     "Term", "LayeredTemplate", "Table", "Cell", "Frames", "Boundary", "fixed", "ZERO_FLUX", "PERIODIC", "explain",
     "library", "devices", "read_picture", "read_pictures", "write_picture",
     "Result", "InputError", "NotSettledError", "__version__",
