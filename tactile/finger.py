@@ -11,10 +11,11 @@ from cnnsim.support import Flags, Floats
 from tactile.calibration.live_tare import LiveTare, TareMode
 from tactile.calibration.tare_check import TareNote, end_note, gap_note
 from tactile.core.frame import Frame, TaxelArray
+from tactile.core.frozen import Frozen
 from tactile.core.gaps import Gaps
 from tactile.core.noise import Noise, is_noise
 from tactile.core.saturation import Saturation
-from tactile.events.code import Code, encode
+from tactile.events.code import encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Transition
 from tactile.events.detector_file import SHIPPED, shipped_detectors, users_detectors
@@ -79,7 +80,7 @@ class Finger:
         self._positions, self._newtons = array.positions(), newtons(array, modulus)
         self._half = array.cols * array.pitch / 2, array.rows * array.pitch / 2
         self._hidden = None if self._inverse is None else HiddenContact(array, self._newtons)
-        self._rails = Saturation(array.shape)
+        self._rails, self._still = Saturation(array.shape), Frozen(array.shape)
         self._saturated: Flags | None = None
         self._nothing = np.full((1, 1, 3) if self._inverse is not None else (*array.shape, 3), np.nan)
         self._noise: Noise | None = None
@@ -168,13 +169,17 @@ class Finger:
         """Run the comparators and detectors on the frame and return the events that begin and end."""
         if not frame.whole and not frame.valid.any():
             return []  # no offset yet, or no valid taxel: lasting events continue
-        use, all_used = frame.valid, frame.whole and self._none_left_out
-        if not self._none_left_out:
-            use = use & ~self._left_out
+        left_out = self._still(frame.values, self.taxels.code.contact, self._left_out)
+        self._signals.leave_out(left_out)
+        if left_out is not self._left_out and (words := self._still.words()):
+            self.tare.notes.append(TareNote(self._number, frame.t, words, None, "until it changes", notice=True))
+        all_used = frame.whole and not left_out.any()
+        use = frame.valid if all_used else frame.valid & ~left_out
         before = self._signals.planes.copy() if self._own else self._signals.planes
-        self._signals.update(frame, use, self.levels, self._pool.black("in_contact"))
+        contact = self._pool.black("in_contact")
+        self._signals.update(frame, use, self.levels, contact)
         if self._inverse is not None:
-            self._whole.take_load(frame.t, load)
+            self._whole.take_load(frame.t, load, contact)
             self._signals.put_load(self._whole)
         planes = self._signals.planes
         if self._hidden is not None:
@@ -226,11 +231,6 @@ class Finger:
             values = frame.values if frame.whole else np.where(frame.valid[..., None], frame.values, np.nan)
         self._last_figures = self._figures.update(values)
         return self._last_figures
-
-    @property
-    def code(self) -> Code:
-        """Current code of the comparators."""
-        return self.taxels.code
 
     @property
     def travelled(self) -> tuple[float, float] | None:

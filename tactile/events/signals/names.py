@@ -5,10 +5,10 @@ LEVELS = (
     "loaded",
     "rising",
     "falling",
-    "steep",
-    "large",
+    "loosened",
+    "balanced",
     "unsteady",
-    "sheared",
+    "settled",
     "driven",
     "dropping",
     "yielding",
@@ -16,8 +16,7 @@ LEVELS = (
     "turning",
     "turning_back",
     "outweighs",
-    "balanced",
 )
 RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
 TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")
-LARGE = LEVELS.index("large")
+LOOSENED, SETTLED = LEVELS.index("loosened"), LEVELS.index("settled")

@@ -1,22 +1,23 @@
 """Signals of a finger: planes per taxel and scalars of the total load, as CNN values, updated per frame."""
 
-from math import exp, inf, isfinite
+from math import inf, isfinite
 
 import numpy as np
 
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity
 from tactile.core.noise import Noise
-from tactile.events.signals.names import BALANCED, DROPPING, LARGE, LEVELS, PLANES, RISING, TURNING
+from tactile.events.signals.held_load import HeldLoad
+from tactile.events.signals.names import BALANCED, DROPPING, LEVELS, LOOSENED, PLANES, RISING, SETTLED, TURNING
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.thresholds.levels import Levels
 
 FAST, SLOW = 0.01, 0.2
 """[s] Time constants of the two means of a taxel; a change is the fast mean minus the slow one."""
-LOAD = (0.004, 0.015, 0.1, 0.3, 0.3, 0.05, 0.08)
-"""[s] Time constants of the total load: three means, the held load, the steepest fall, the unsteadiness; and the slow
-mean while the load is unsteady."""
+LOAD = (0.004, 0.015, 0.1, 1.0, 0.05, 0.08)
+"""[s] Time constants of the total load: three means, (the factor of the held load), the unsteadiness; and the slow mean
+while the load is unsteady."""
 KEPT = 16
 """Number of state variables of `step_numba.step`."""
 DRAWN = 9.0
@@ -30,10 +31,10 @@ COMMON, FASTEST = 1.2, 3.5
 """Fastest common drift in levels of pressing per second without and with a contact: 25 and 75 mN/s at this noise."""
 UNKNOWN = np.array([0.011, 0.011, 0.022])
 """Those levels [N] while the noise is unknown."""
-HELD_LOAD = 3
-"""Index of the held load in `LOAD` and in the state of `step_numba.step`."""
-LARGE_PARTS = (0.2, 0.3)
-"""Parts of the held load at which ``large`` goes off and on."""
+HELD_LOAD, HELD_FACTOR = 3, 5
+"""Index of the held load in the state of `step_numba.step`, and of its factor in the time constants."""
+LITTLE_LEFT = 0.05
+"""Part of the load below which the remaining taxels cannot stand for the held load."""
 UNEXPLAINED = 0.9
 """Misfit above which a located load counts as no load: a fit to pure noise leaves 0.93 to 0.99 of it."""
 WITHIN = 5.0
@@ -45,7 +46,7 @@ ONE = Levels(np.full((1, 1, 3), 0.01), np.full((1, 1, 3), 0.015))
 
 
 class Signals:
-    """Seven planes and fifteen scalars of one finger, updated with every frame.
+    """Seven planes and fourteen scalars of one finger, updated with every frame.
 
     Planes (rows, cols), binary scale (1/6: comparator off, 1/4: on): ``shear_x``, ``shear_y``, ``pressing``: reading
     over the levels of the taxel; for shear, levels of at least 2 % of its pressing. ``drawn_x``, ``drawn_y``: change of
@@ -60,10 +61,10 @@ class Signals:
 
     Scalars of the total normal load F (sum over the taxels), binary scale: ``loaded`` F over its noise; ``rising`` F
     over its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
-    load); ``steep`` this fall over the steepest recent one (off below 0.4); ``large`` F over the held load (off below
-    0.2); ``unsteady`` difference of F from its mean of 100 ms (3 %); ``sheared`` whether shear changes by more than
-    about half of the pressing (sums of squares over the taxels, 0.3); ``outweighs`` and by more than noise (6
-    variances); ``driven`` change of the total shear (mean of 10 ms minus that of 200 ms) over 6 sigma and 0.4 % of F;
+    load); ``loosened`` and ``settled``: see `HeldLoad`; ``unsteady`` difference of F from its mean of 100 ms (3 %);
+    ``outweighs`` whether shear changes by more than about half of the pressing (sums of squares over the taxels, 0.3)
+    and by more than noise (6 variances);
+    ``driven`` change of the total shear (mean of 10 ms minus that of 200 ms) over 6 sigma and 0.4 % of F;
     ``dropping`` a fall of 4 %, as when a gripper opens; ``yielding`` growth of Q/F over its fastest of the last 0.5 s
     (on below 0.25, off above 0.4): a contact that slides as a whole stops following; ``sticking`` part of F on sticking
     taxels (on above 0.15, off below 0.1); ``turning``, ``turning_back`` torque about the centre of pressure of the
@@ -74,19 +75,15 @@ class Signals:
     """
 
     def __init__(self, shape: tuple[int, int], quantity: Quantity) -> None:
-        from tactile.events.signals.drift_numba import (
-            flat,  # the same
-            follow,  # numba is slow to import
-        )
+        from tactile.events.signals.drift_numba import flat, follow  # numba is slow to import
         from tactile.events.signals.onset_numba import KEPT as FRAMES
         from tactile.events.signals.onset_numba import bend, remember  # the same
         from tactile.events.signals.sliding_numba import slide  # the same
-        from tactile.events.signals.step_numba import GROWS, binary, step  # the same
+        from tactile.events.signals.step_numba import GROWS, step  # the same
         from tactile.events.signals.turn_numba import turn  # the same
 
-        self._binary = binary
         self._step, self._slide, self._turn, self._remember, self._bend = step, slide, turn, remember, bend
-        self._flat, self._held, self._begun = flat, np.zeros(shape), 0.0
+        self._flat, self._held, self._begun, self._hold = flat, np.zeros(shape), 0.0, HeldLoad()
         self._follow, self._base, self._common = follow, np.zeros((*shape, 3)), np.zeros(3)
         self._less = np.zeros((*shape, 3))
         self._allow_drift(UNKNOWN)
@@ -99,7 +96,7 @@ class Signals:
         self._t: float | None = None
         self._interval = FAST
         self._drawn, self._quiet = np.zeros(shape), np.zeros((3, *shape))
-        self._counts = np.ones(shape, bool)
+        self._counts, self._left_out = np.ones(shape, bool), np.zeros(shape, bool)
         self._taus, self._growth = np.array(TAUS), np.zeros(2 * len(TAUS) + 4)
         self._shares = quantity == "force" and self._counts.size > 1  # located loads: a slip is a travel of the load
         self._one = np.zeros((1, 1, 3))
@@ -109,8 +106,6 @@ class Signals:
 
     def set_noise(self, noise: Noise | None, levels: Levels) -> None:
         """Set the noise after the filters and the threshold of an unexplained change."""
-        if noise is not None:
-            self._counts = ~noise.left_out
         if noise is None or not noise.sigma.any():
             self._quiet[:] = 0
             self._drawn = levels.on[..., :2].max(axis=-1)
@@ -122,6 +117,18 @@ class Signals:
         left = np.sqrt(noise.jitter**2 * keep / (2 - keep) + noise.slow**2)
         self._quiet = np.stack([left[..., :2].max(axis=-1), left[..., 2], noise.jitter[..., :2].max(axis=-1)])
         self._drawn = DRAWN * self._quiet[0]
+
+    def leave_out(self, left_out: Flags) -> None:
+        """Set the taxels (rows, cols) that do not count; the loads go on with the share of the others."""
+        if left_out is self._left_out:
+            return
+        self._left_out, counts = left_out, ~left_out
+        if not np.array_equal(counts, self._counts):
+            press = np.maximum(self._fast[..., 2], 0.0)
+            before, now = float(press[self._counts].sum()), float(press[counts].sum())
+            if before > 0 and now > LITTLE_LEFT * before:
+                self._scalars[: HELD_LOAD + 1] *= now / before
+            self._counts = counts
 
     def _allow_drift(self, level: Floats) -> None:
         self._most, self._fastest = DRIFT * level, np.outer((COMMON, FASTEST), np.full(3, level[2]))
@@ -141,7 +148,7 @@ class Signals:
             values = self._less
             if not contact:
                 self._begun = frame.t
-        self._update(frame.t, values, use, levels)
+        self._update(frame.t, values, use, levels, contact)
 
     def forget_drift(self, taken: Floats) -> None:
         """Remove from the drift estimate what a new offset contains; it changed by ``taken`` (rows, cols, 3)."""
@@ -149,32 +156,33 @@ class Signals:
         common, part = self._common, np.nan_to_num(np.nanmedian(taken.reshape(-1, 3), axis=0))
         common -= np.clip(part, np.minimum(common, 0.0), np.maximum(common, 0.0))  # at most the drift that was followed
 
-    def _update(self, t: float, values: Floats, use: Flags, levels: Levels) -> None:
+    def _update(self, t: float, values: Floats, use: Flags, levels: Levels, contact: bool) -> None:
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
         self._interval += 0.05 * (dt - self._interval)
         self._t = t
+        self._taps[HELD_FACTOR] = follows = self._hold.follows(dt, contact)
         self._step(
             values, use, self._counts, self._inward, self._rectify, dt, levels.off, levels.on, self._drawn,
             self._quiet[0], self._quiet[1], self._fast, self._slow, self._scalars, self._taps, self.planes, self.levels,
         )  # fmt: skip
+        alike = 0.0
         if self._shares:
             self._slide(
                 values, self._fast, use, self._quiet[2], self._quiet[0], self._quiet[1], dt, self._interval,
                 self._taus, self._growth, self.levels[RISING] > 0.25, self.planes, self.levels,
             )  # fmt: skip
             most = min(self._fastest[1, 0] * (t - self._begun), self._most[2])
-            alike = self._flat(self._fast, self._held, use, 1 - exp(-dt / LOAD[HELD_LOAD]), most)
-            if alike > 0:
-                self.levels[LARGE] = self._binary(
-                    (self._scalars[0] - alike) / max(self._scalars[HELD_LOAD], alike), *LARGE_PARTS
-                )
+            alike = self._flat(self._fast, self._held, use, follows, most)
             turn = self._turn(self._fast, self._slow, use, self._quiet[0], self._quiet[1])
             self.levels[TURNING], self.levels[TURNING + 1], self.levels[BALANCED] = turn, -turn, 5 / 12 - abs(turn)
+        force, held = self._scalars.item(0), self._scalars.item(HELD_LOAD)
+        self._hold.update(t, force - alike, max(held, alike), self._interval, self.unrest < 1.5, contact)
+        self.levels[LOOSENED], self.levels[SETTLED] = self._hold.loosened, self._hold.settled
         if self.levels[RISING] > 0.25 or self.levels[DROPPING] > 0.25:
             self._next[:] = 0  # shear of a closing or opening grip is not the onset of a pull
         else:
             self._remember(t, self._fast, self._times, self._past, self._next)
-        self.force = float(self._scalars[0])
+        self.force = force
 
     @property
     def late(self) -> float | None:
@@ -194,27 +202,18 @@ class Signals:
         moved, pressed, of_late = load._scalars[[8, 9, 15]]
         explained = not (moved > 0.25 * pressed and moved > self._grows * of_late)
         late = max(FAST, 2 * load._interval)
-        return (
-            load._bend(
-                load._t,
-                load.planes[3:5],
-                load._slow,
-                explained,
-                load._times,
-                load._past,
-                load._next,
-                load._series,
-                load._hinges,
-            )
-            - late
-        )
+        bent = load._bend(
+            load._t, load.planes[3:5], load._slow, explained, load._times, load._past, load._next, load._series,
+            load._hinges,
+        )  # fmt: skip
+        return bent - late
 
     @property
     def unrest(self) -> float:
         """Unsteadiness of the total normal load: 1 at 4 %, the largest of the last 50 ms."""
         return float(self._scalars[10])
 
-    def take_load(self, t: float, load: Load) -> None:
+    def take_load(self, t: float, load: Load, contact: bool) -> None:
         """Process a located load as one force taxel; no load is 0 N, an unknown load keeps the last value."""
         lost = load.validity is Validity.NO_LOAD or load.misfit > UNEXPLAINED or _is_noise(load)
         self._one[0, 0] = (0.0, 0.0, 0.0) if lost else (load.Q, load.R, load.F)
@@ -226,7 +225,7 @@ class Signals:
                 self._quiet[0, 0, 0] = shear = shear + 0.1 * (max(of_q, of_r) * keep - shear)
                 self._quiet[1, 0, 0] = normal + 0.1 * (of_f * keep - normal)
                 self._drawn[0, 0] = DRAWN * shear
-        self._update(t, self._one, ALWAYS, ONE)
+        self._update(t, self._one, ALWAYS, ONE, contact)
 
     def put_load(self, load: "Signals") -> None:
         """Copy scalars and drawn shear of the located load: shear strain alone is no tangential load."""

@@ -56,8 +56,9 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
 
     ``use`` (rows, cols) marks valid taxels, ``counts`` those not left out; ``off``, ``on`` (rows, cols, 3) thresholds;
     ``drawn_on`` (rows, cols) threshold of an unexplained change of shear; ``noise_q``, ``noise_n`` noise of shear and
-    normal after 10 ms; ``taps`` the nine time constants [s]. State: ``fast``, ``slow`` (rows, cols, 3) means,
-    ``scalars``: F after 4, 15 and 100 ms, held load, steepest fall, Q and R after 10 ms, number of frames, changes of
+    normal after 10 ms; ``taps`` the time constants [s], and the factor of the held load. State: means
+    ``fast``, ``slow`` (rows, cols, 3),
+    ``scalars``: F after 4, 15 and 100 ms, held load, its noise, Q and R after 10 ms, number of frames, changes of
     shear and of pressing, largest recent unsteadiness, mean of the total unexplained change (2), largest recent change
     of the total shear, mean of the changes of shear.
     """
@@ -66,7 +67,7 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     sheared = scalars[8] > 0.25 * scalars[9]
     sets_in = sheared and scalars[8] > GROWS * scalars[15]
     # while the load changes the slow mean must keep up
-    a_slow = 1 - math.exp(-dt / (taps[8] if scalars[10] > 1 and not sheared else taps[1]))
+    a_slow = 1 - math.exp(-dt / (taps[7] if scalars[10] > 1 and not sheared else taps[1]))
     first = scalars[7] == 0
     force = q = r = n = q_slow = r_slow = n_slow = press_noise = shear_noise = squares = 0.0
     for i in range(rows):
@@ -100,26 +101,23 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                 squares += fast[i, j, 2] ** 2
             if counts[i, j]:
                 press_noise += noise_n[i, j] ** 2
-    f4, f15, f100, held, steepest, seen = scalars[0], scalars[1], scalars[2], scalars[3], scalars[4], scalars[7]
+    f4, f15, f100, held, seen = scalars[0], scalars[1], scalars[2], scalars[3], scalars[7]
     if first:
         f4 = f15 = f100 = held = force
     f4 += (1 - math.exp(-dt / taps[2])) * (force - f4)
     f15 += (1 - math.exp(-dt / taps[3])) * (force - f15)
     f100 += (1 - math.exp(-dt / taps[4])) * (force - f100)
-    held += (1 - math.exp(-dt / taps[5])) * (force - held)
+    held += taps[5] * (force - held)
     fall = f15 - f4
-    steepest = max(fall, steepest * math.exp(-dt / taps[6]))
-    scalars[0], scalars[1], scalars[2], scalars[3], scalars[4] = f4, f15, f100, held, steepest
+    scalars[0], scalars[1], scalars[2], scalars[3] = f4, f15, f100, held
     scalars[5], scalars[6], scalars[7] = q, r, seen + 1
     noise = 3 * math.sqrt(press_noise) + 1e-12
-    top = max(held, noise)
+    top, scalars[4] = max(held, noise), noise
     levels[0] = binary(f4, 2 * noise, 3 * noise)
     levels[1] = binary(f4 - f100, 0.15 * max(f100, 0.0) + noise, 0.25 * max(f100, 0.0) + 1.5 * noise)
     levels[2] = binary(fall, 0.01 * top + noise / 3, 0.015 * top + noise / 2)
-    levels[3] = binary(fall / steepest, 0.4, 0.6) if steepest > 0 else 0.0
-    levels[4] = binary(f4 / top, 0.2, 0.3)
     away = abs(f4 - f100) / (0.04 * max(f100, 0.0) + 0.75 * noise)
-    scalars[10] = max(min(away, 4.0), scalars[10] * math.exp(-dt / taps[7]))
+    scalars[10] = max(min(away, 4.0), scalars[10] * math.exp(-dt / taps[6]))
     levels[5] = binary(scalars[10], 1.0, 1.5)
     driven = math.hypot(q - q_slow, r - r_slow)
     least = max(6 * math.sqrt(shear_noise), 0.004 * max(f100, 0.0), 1e-12)
@@ -163,10 +161,9 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
                     moved += change * change
             if use[i, j]:
                 pressed += change_n * change_n
-    calm = 1 - math.exp(-dt / taps[7])
+    calm = 1 - math.exp(-dt / taps[6])
     scalars[8] += calm * (moved - scalars[8])
     scalars[9] += calm * (pressed - scalars[9])
     scalars[15] += (1 - math.exp(-dt / taps[1])) * (scalars[8] - scalars[15])
-    levels[6] = binary(scalars[8], 0.2 * scalars[9], 0.3 * scalars[9]) if scalars[8] > 0 else 0.0
     still = MOVED * shear_noise  # in a still hold both are noise, and their ratio is meaningless
     levels[13] = binary(scalars[8], 0.2 * scalars[9] + still / 1.5, 0.3 * scalars[9] + still) if scalars[8] > 0 else 0.0

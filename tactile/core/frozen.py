@@ -1,0 +1,43 @@
+"""Frozen taxels: pressed taxels whose reading repeats far longer than it ever did, while others change."""
+
+import numpy as np
+
+from cnnsim.support import Flags, Floats
+
+LEAST, LONGER = 25, 4
+"""Least number of frames of a frozen reading, and its least ratio to the longest earlier repetition: coarse converters
+repeat, too."""
+
+
+class Frozen:
+    """Called with the readings (rows, cols, 3) of each frame, the pressed taxels and those left out for other reasons.
+
+    It returns the left-out taxels with the frozen ones, unless none would remain. A frame in which nothing changes does
+    not count: drivers repeat frames.
+    """
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        self._before: Floats = np.full((*shape, 3), np.nan)
+        self._run, self._most = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
+        self._frozen: Flags = np.zeros(shape, bool)
+        self._named: Flags = np.zeros(shape, bool)
+
+    def __call__(self, values: Floats, pressed: Flags, left_out: Flags) -> Flags:
+        """Process a frame."""
+        same = (values == self._before).all(-1)
+        if not same.all():
+            self._before = values
+            self._run += 1
+            self._most = np.where(same, self._most, np.maximum(self._most, self._run))
+            self._run[~same] = 0
+            self._frozen = (self._run > np.maximum(LEAST, LONGER * self._most)) & (pressed | self._frozen)
+        if not self._frozen.any():
+            return left_out
+        both = left_out | self._frozen
+        return left_out if both.all() else both
+
+    def words(self) -> str:
+        """Return the taxels that are frozen for the first time; empty without any."""
+        new = self._frozen & ~self._named
+        self._named |= new
+        return ", ".join(f"taxel ({i}, {j}) is frozen, left out" for i, j in np.argwhere(new).tolist())
