@@ -15,7 +15,7 @@ from tactile.core.frozen import Frozen
 from tactile.core.gaps import Gaps
 from tactile.core.noise import Noise, is_noise
 from tactile.core.saturation import Saturation
-from tactile.events.code import encode
+from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
 from tactile.events.detector import Detector, Transition
 from tactile.events.detector_file import SHIPPED, shipped_detectors, users_detectors
@@ -32,10 +32,9 @@ from tactile.texture.figures import Texture, TextureFigures
 from tactile.thresholds.levels import levels
 from tactile.thresholds.threshold import CONTACT, SIGN
 
-STILL = 0.6
-"""[s] Time without a sign of sliding after which nothing slides."""
-APART = 0.1
-"""[s] Longest loss of contact between the asperities of a rough material; such frames are ignored."""
+STILL, APART = 0.6, 0.1
+"""[s] Time without a sign of sliding after which nothing slides; longest loss of contact between the asperities of a
+rough material, whose frames are ignored."""
 LIVELY = 0.25
 """Unsteadiness of the normal load on a moving texture: 1 % of the load, above its noise; a grip has a tenth of it."""
 
@@ -60,11 +59,10 @@ class Finger:
         self._signs = settings.shear == SIGN
         self.taxels = Comparators(machine, array.shape, SIGN if self._signs else BINARY, BINARY)
         self._signals, self._pool = Signals(array.shape, array.quantity), PlanePool(machine, array.shape)
-        files = [*shipped_detectors(SHIPPED), *users_detectors(settings.programs)]
         # one machine each, so that programs of the same name do not share memory
         self._detectors = [
             Detector(file, UniversalMachine(settings.backend, "float64"), self._pool, publishes=n < len(SHIPPED))
-            for n, file in enumerate(files)
+            for n, file in enumerate([*shipped_detectors(SHIPPED), *users_detectors(settings.programs)])
         ]
         self._own = self._detectors[len(SHIPPED) :]
         self._travel, self._whole = Travel(), Signals((1, 1), "force")
@@ -131,7 +129,6 @@ class Finger:
         self.levels = levels(array.shape, array.quantity, chosen.sigmas, shear, chosen.contact, noise, early)
         self._signals.set_noise(noise, self.levels)
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
-        self._none_left_out = not self._left_out.any()
         self._floor = float(np.median(self.levels.off[..., 2]))
         if self._hidden is not None:
             self._hidden.set_levels(self.levels)
@@ -148,7 +145,7 @@ class Finger:
         if self._inverse is None:
             return summed(self._positions, frame.values, frame.valid, self._floor)
         values = frame.values
-        if not (frame.whole and self._none_left_out):
+        if not (frame.whole and not self._left_out.any()):
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
         noise = self._per_sigma if frame.whole and self._saturated is None else None
         if (np.abs(values) <= self._dead_band).all() or (noise is not None and is_noise(frame.values, noise)):
@@ -233,14 +230,17 @@ class Finger:
         return self._last_figures
 
     @property
+    def code(self) -> Code:
+        """Current code of the comparators."""
+        return self.taxels.code
+
+    @property
     def travelled(self) -> tuple[float, float] | None:
         """Distance of the located load during its last slip [m]; None where loads are not located."""
         return None if self._inverse is None else self._travel.way
 
     def tare_notes(self) -> tuple[TareNote, ...]:
         """Return the changes of the tare since the last call."""
-        if not self.tare.notes:
-            return ()
         notes = tuple(self.tare.notes)
         self.tare.notes.clear()
         return notes

@@ -20,6 +20,8 @@ from tactile.thresholds.threshold import CONTACT, SHEAR
 TareMode = Literal["auto", "manual", "off"] | int
 SECONDS = 0.2
 """[s] Shortest block of frames that is judged."""
+FEW, SLOW = 7, 0.28
+"""Least number of frames and least length [s] of the first block of a slow sensor: 25 frames/s."""
 SHORT = 0.05
 """[s] Shortest block for the first tare if a load comes before `SECONDS`."""
 IDLE = "idle"
@@ -149,7 +151,9 @@ class LiveTare:
         return begins(self._block, self._limit, self._inward)
 
     def _full(self, t: float) -> bool:
-        return len(self._block) >= FRAMES and t - self._since >= self._seconds
+        count, seconds = len(self._block), t - self._since
+        slow = self._offset is None and count >= FEW and seconds >= max(SLOW, self._seconds) - 1e-9
+        return slow or (count >= FRAMES and seconds >= self._seconds)
 
     def _end_block(self, t: float, block: Floats) -> None:
         mean, noise = np.nanmean(block, axis=0), measured(block).at_least(self._steps.floor)

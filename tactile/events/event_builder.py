@@ -42,8 +42,8 @@ class EventBuilder:
     ) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
         """Return the events that begin and the events that end; the frame arrived at ``arrived`` (`perf_counter`)."""
         begun, ended = [], []
-        code = finger.taxels.code
-        hand = hand_code([one.taxels.code for one in self._fingers])
+        code = finger.code
+        hand = hand_code([one.code for one in self._fingers])
         for what in transitions:
             name = finger.array.name
             if what.change == "begins" and what.rule.kind == "hold" and load.F < 0:

@@ -8,7 +8,7 @@ TARE = 100
 """Number of frames averaged at the start, which also give the noise."""
 SIGMAS = 8.0
 """Noise of the total normal force, above which a contact begins; and of the norm, above which a slip does."""
-TOUCHES, GONE = 0.1, 0.3
+TOUCHES, GONE = 0.5, 0.3
 """Parts of the largest recent load at which a contact begins and ends."""
 AWAY = 0.05
 """Change of the total shear from its mean of the last `REST` seconds, as a part of the load: a tangential load."""

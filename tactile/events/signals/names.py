@@ -16,6 +16,7 @@ LEVELS = (
     "turning",
     "turning_back",
     "outweighs",
+    "sheared",
 )
 RISING, DROPPING = LEVELS.index("rising"), LEVELS.index("dropping")
 TURNING, BALANCED = LEVELS.index("turning"), LEVELS.index("balanced")

@@ -6,7 +6,7 @@ import pytest
 from tactile.core.frozen import LEAST, Frozen
 from tactile.events.signals.held_load import HeldLoad
 
-GRIP = [(0.0, 0.0), (0.2, 20.0), (0.3, 6.0), (4.0, 6.0), (4.12, 0.2), (4.5, 0.15)]
+TIMES, FORCES = [0.0, 0.2, 0.3, 4.0, 4.12, 4.5], [0.0, 20.0, 6.0, 6.0, 0.2, 0.15]
 """Times [s] and forces [N] of a grip that overshoots, holds, opens and leaves a creeping rest."""
 
 
@@ -17,7 +17,7 @@ def test_a_grip_is_loosened_at_the_knee_of_its_fall_at_any_tempo_and_gain(tempo:
     one, held, before = HeldLoad(), 0.0, 0.0
     settled, loosened = [], []
     for t in np.arange(0.0, 4.5, 0.002 * max(tempo, 1)):
-        load = gain * float(np.interp(t, *zip(*GRIP, strict=True)))
+        load = gain * float(np.interp(t, TIMES, FORCES))
         dt = (t - before) / tempo
         held += one.follows(dt, True) * (load - held)
         one.update(t / tempo, load, held, 0.002 * max(tempo, 1) / tempo, True, True)
