@@ -41,8 +41,8 @@ WHOLE = {
     "turning": "torque of the shear about the centre of pressure is clockwise, more than the pressing explains",
     "turning_back": "the same anticlockwise",
     "balanced": "neither turning nor turning back; force taxels only",
-    "outweighs": "shear changes by more than about half of the change of the pressing, and more than its noise",
-    "sheared": "shear changes by more than the pressing: no closing grip below a friction of 1 does that",
+    "sheared": "shear changes by more than about half of the change of the pressing",
+    "outweighs": "as `sheared`, and the change of shear is above its noise",
     "driven": "the total shear changes (0.4 % of the load, or 6 sigma, within about 0.2 s)",
     "travelling": "the located load moves over the skin: 50 um, or 6 sigma, within 0.25 s",
 }  # fmt: skip

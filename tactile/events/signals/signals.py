@@ -62,8 +62,8 @@ class Signals:
     Scalars of the total normal load F (sum over the taxels), binary scale: ``loaded`` F over its noise; ``rising`` F
     over its mean of 100 ms (25 %); ``falling`` the fall from the mean of 15 ms to that of 4 ms (1.5 % of the held
     load); ``loosened`` and ``settled``: see `HeldLoad`; ``unsteady`` difference of F from its mean of 100 ms (3 %);
-    ``outweighs`` whether shear changes by more than about half of the pressing (sums of squares over the taxels, 0.3)
-    and by more than noise (6 variances), ``sheared`` more than the pressing (1);
+    ``sheared`` whether shear changes by more than about half of the pressing (sums of squares over the taxels, 0.3),
+    ``outweighs`` and by more than noise (6 variances);
     ``driven`` change of the total shear (mean of 10 ms minus that of 200 ms) over 6 sigma and 0.4 % of F;
     ``dropping`` a fall of 4 %, as when a gripper opens; ``yielding`` growth of Q/F over its fastest of the last 0.5 s
     (on below 0.25, off above 0.4): a contact that slides as a whole stops following; ``sticking`` part of F on sticking

@@ -167,4 +167,4 @@ def step(  # type: ignore[no-untyped-def]  # typed at the call
     scalars[15] += (1 - math.exp(-dt / taps[1])) * (scalars[8] - scalars[15])
     still = MOVED * shear_noise  # in a still hold both are noise, and their ratio is meaningless
     levels[13] = binary(scalars[8], 0.2 * scalars[9] + still / 1.5, 0.3 * scalars[9] + still) if scalars[8] > 0 else 0.0
-    levels[14] = binary(scalars[8], 0.7 * scalars[9] + still / 1.5, scalars[9] + still) if scalars[8] > 0 else 0.0
+    levels[14] = binary(scalars[8], 0.2 * scalars[9], 0.3 * scalars[9]) if scalars[8] > 0 else 0.0
