@@ -18,16 +18,12 @@ from tactile.core.noise import Noise, Steps, early_noise, measured
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
 TareMode = Literal["auto", "manual", "off"] | int
-SECONDS = 0.2
-"""[s] Shortest block of frames that is judged."""
-FEW, SLOW = 7, 0.28
+SECONDS, SHORT = 0.2, 0.05
+"""[s] Shortest block of frames that is judged, and shortest block for the first tare if a load comes before."""
+FEW, SLOW = 7, 0.27
 """Least number of frames and least length [s] of the first block of a slow sensor: 25 frames/s."""
-SHORT = 0.05
-"""[s] Shortest block for the first tare if a load comes before `SECONDS`."""
-IDLE = "idle"
-"""Reason of an automatic renewal."""
-SLOWLY = "drift compensation undone by a slow touch"
-"""Reason of an offset without the drift compensation since a slow touch began."""
+IDLE, SLOWLY = "idle", "drift compensation undone by a slow touch"
+"""Reasons of an automatic renewal, and of an offset without the drift compensation since a slow touch began."""
 CURE = "let nothing touch it, then ask for a tare"
 AFTER = 0.1
 """[s] Time after a contact whose frames are not used: silicone creeps back."""
@@ -151,9 +147,9 @@ class LiveTare:
         return begins(self._block, self._limit, self._inward)
 
     def _full(self, t: float) -> bool:
-        count, seconds = len(self._block), t - self._since
-        slow = self._offset is None and count >= FEW and seconds >= max(SLOW, self._seconds) - 1e-9
-        return slow or (count >= FRAMES and seconds >= self._seconds)
+        seconds = t - self._since
+        few = FEW if self._offset is None and seconds >= SLOW else FRAMES
+        return len(self._block) >= few and seconds >= self._seconds
 
     def _end_block(self, t: float, block: Floats) -> None:
         mean, noise = np.nanmean(block, axis=0), measured(block).at_least(self._steps.floor)
