@@ -25,7 +25,7 @@ def test_the_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
             for line in code.splitlines():
                 result = call(*line.split()[1:])
                 assert result.exit_code == 0, result.output
-    assert [event.words for event in names["log"].events] == [
+    assert [event.words for event in names["result"].events] == [
         "contact on 4 of 4 taxels",
         "load",
         "hold 1.20 N",
