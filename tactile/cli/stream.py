@@ -2,7 +2,6 @@
 
 import sys
 import threading
-import time
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from cnnsim import backends
-from cnnsim.support import InputError
 from cnnsim.support.command_line import examples
 from cnnsim.support.extras import need
 from cnnsim.support.terminal import echo
 from tactile.cli.options import (
     ARRAY,
     FILE,
+    LAYOUT,
     PROTOCOL,
     Finite,
     check_thresholds,
@@ -150,43 +149,42 @@ def live(
             monitor.run(options, fingers, sinks)
 
 
-@click.command(epilog=examples("tactile replay hand.mcap", "tactile replay hand.mcap --paced --json"))
+@click.command(
+    epilog=examples(
+        "tactile replay hand.mcap", "tactile replay hand.mcap --paced --json", "tactile replay glove.csv --paced"
+    )
+)
 @click.argument("recording", type=FILE)
 @click.option("--paced", is_flag=True, help="At the recording's own speed instead of as fast as possible.")
 @click.option("--speed", type=Finite(0, min_open=True), help="As --paced, faster by this factor.")
 @detection
+@LAYOUT
 @JSON
-def replay(recording: Path, paced: bool, speed: float | None, as_json: bool, **chosen: Any) -> None:
-    """Run the pipeline on a recording of a port (.mcap).
+def replay(
+    recording: Path, paced: bool, speed: float | None, layout: Path | None, as_json: bool, **chosen: Any
+) -> None:
+    """Run the pipeline on a recording as if it were live.
 
-    Byte for byte through the decoder, with the settings of the live run.
+    The bytes of a port (.mcap) go through the decoder, with the settings of the live run. Of other recordings, and of
+    tables of other programs, the frames are taken, with the settings of `tactile run`.
 
     Options of thresholds and programs take the place of those of the live run, and these of those in the array file.
     """
-    from tactile.cli.port.live import LiveMonitor, recorded_options  # imported when used
-    from tactile.cli.port.live import paced as at_its_time
-    from tactile.wire.source import WireSource  # the same
+    from tactile.cli.port.replayed import replay_bytes, replay_frames, wire_recording  # imported when used
 
-    if recording.is_file() and recording.suffix.lower() != ".mcap":
-        raise InputError(f"{recording}: the bytes of a port (.mcap) wanted; `tactile run {recording}` takes its frames")
-    recorded = need("tactile.recording.reader", "an MCAP recording").open_recording(recording)
-    report_damage(recording, recorded.mark)
-    if not recorded.has_wire:
-        raise InputError(f"{recording}: holds no bytes of a wire; `tactile run {recording}` takes its frames")
     check_thresholds(chosen)
-    options = recorded_options(recorded.made.get("choices", "{}"), str(recording)).but(PipelineOptions(**chosen))
-    if options.calibration is None:
-        recorded.description.check_calibrated()
-    chunks = recorded.chunks()
-    if paced or speed is not None:
-        chunks = at_its_time(chunks, speed or 1.0, time.monotonic, time.sleep)
-    source = WireSource(recorded.description, chunks)
     say = console.print_line if as_json else console.tell
-    monitor = LiveMonitor(source, say)
-    monitor.run(options)
+    pace, options = speed or (1.0 if paced else None), PipelineOptions(**chosen)
+    recorded = wire_recording(recording)
+    if recorded is None:
+        monitor, counts, ended = *replay_frames(recording, layout, options, pace, say), {}
+    else:
+        report_damage(recording, recorded.mark)
+        monitor, counts = replay_bytes(recorded, str(recording), options, pace, say)
+        ended = {"complete": recorded.complete, "state": recorded.mark}
     if as_json:
-        console.print_line(monitor.status() | {"type": "end", "complete": recorded.complete, "state": recorded.mark})
+        console.print_line(monitor.status() | {"type": "end"} | ended)
         return
-    echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {source.counts}")
-    if recorded.mark:
+    echo(f"{monitor.meter.frames} frames, {monitor.happened} events; {counts}")
+    if recorded is not None and recorded.mark:
         echo(damage_text(recording, recorded.mark))

@@ -94,7 +94,7 @@ class Session:
 
     def summary(self) -> dict[str, Any]:
         """Return counters, clock and what the decoder found out, as plain data for the end of a recording."""
-        clock, settled = self.source.clock.plain(), self.source.decoder.settled()
+        clock, settled = self.source.clock.plain(), self.source.settled()
         return {
             "counts": self.counts.plain(), "clock": clock, "settled": settled, "unplugged": self.reader.unplugged,
         }  # fmt: skip

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
+from typing import Any
 
 from cnnsim.support.notices import Notices
 from tactile.core.frame import Frame
@@ -66,6 +67,10 @@ class WireSource:
         counts.late = self.clock.late
         counts.missing_by_rate = self._rate.missing
         return counts
+
+    def settled(self) -> dict[str, Any]:
+        """Return what the decoder has settled about the stream."""
+        return self.decoder.settled()
 
     def __iter__(self) -> Iterator[Frame]:
         if self._begun:

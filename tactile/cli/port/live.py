@@ -2,7 +2,7 @@
 
 import json
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -13,11 +13,12 @@ from tactile import pipeline
 from tactile.calibration.live_tare import IDLE
 from tactile.calibration.tare_check import TareNote
 from tactile.cli.port.meter import Meter
+from tactile.cli.port.recorded_frames import RecordedFrames
 from tactile.events.event import Event
 from tactile.output.event_data import EventData, finite, program_data
 from tactile.pipeline import FrameReport
 from tactile.settings import PipelineOptions
-from tactile.wire.source import Chunk, WireSource
+from tactile.wire.source import WireSource
 
 if TYPE_CHECKING:
     from tactile.calibration.file import Calibration
@@ -119,7 +120,8 @@ class LiveMonitor:
     """
 
     def __init__(
-        self, source: WireSource, say: Callable[[dict[str, Any]], None], now: Callable[[], int] | None = None,
+        self, source: WireSource | RecordedFrames, say: Callable[[dict[str, Any]], None],
+        now: Callable[[], int] | None = None,
         note: Callable[[str, int, dict[str, Any]], None] | None = None, counts: Callable[[], Any] | None = None,
     ) -> None:  # fmt: skip
         self.meter = Meter()
@@ -172,7 +174,7 @@ class LiveMonitor:
         clock = {name: finite(value) for name, value in self._source.clock.plain().items()}
         return {
             "type": "status", "t_s": self._source.arrival * 1e-9, "events": self.happened,
-            "counts": self._counts().plain(), "clock": clock, "settled": self._source.decoder.settled(),
+            "counts": self._counts().plain(), "clock": clock, "settled": self._source.settled(),
             **{name: finite(value) for name, value in figures.items()},
         }  # fmt: skip
 
@@ -184,15 +186,3 @@ class LiveMonitor:
         ``sinks`` get each report before the latency of its frame is measured.
         """
         pipeline.run(self._source, options.settings(self._source, options.skin), [*sinks, self], fingers)
-
-
-def paced(
-    chunks: Iterable[Chunk], speed: float, now: Callable[[], float], wait: Callable[[float], None]
-) -> Iterator[Chunk]:
-    """Yield chunks on time, at ``speed`` times the recorded rate."""
-    start = now()
-    for chunk in chunks:
-        pause = start + chunk.t * 1e-9 / speed - now()
-        if pause > 0:
-            wait(pause)
-        yield chunk
