@@ -42,5 +42,5 @@ def test_a_table_of_another_program_is_replayed_on_time(tmp_path: Path) -> None:
     start = time.monotonic()
     lines = replayed(table, "--layout", layout, "--speed", "10")
     assert time.monotonic() - start >= 0.199
-    assert [one["kind"] for one in lines if one["type"] == "event"][0] == "contact"
+    assert next(one["kind"] for one in lines if one["type"] == "event") == "contact"
     assert lines[-1]["counts"]["good"] == 200
