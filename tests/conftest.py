@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from cnnsim.support.notices import Notices
 from tactile.bump import table
 from tests.kits.haste import in_haste
 from tests.kits.slow import is_slow
@@ -26,6 +27,12 @@ def bumps_are_kept_for_the_session_alone(tmp_path_factory: pytest.TempPathFactor
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(table, "folder", lambda: kept)
         yield
+
+
+@pytest.fixture(autouse=True)
+def notices_are_warnings() -> None:
+    """Undo what two commands at the same time, in two threads, leave: each puts back what it found."""
+    Notices.tell = None
 
 
 def pytest_collection_finish() -> None:

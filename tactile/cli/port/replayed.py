@@ -23,7 +23,7 @@ Say = Callable[[dict[str, Any]], None]
 
 def wire_recording(path: Path) -> "Recorded | None":
     """Open a recording that holds the bytes of a port; return None for every other file."""
-    if not path.is_file() or path.suffix.lower() != ".mcap":
+    if path.is_dir() or path.suffix.lower() != ".mcap":
         return None
     try:
         recorded: Recorded = need("tactile.recording.reader", "an MCAP recording").open_recording(path)
