@@ -2,7 +2,7 @@
 
 import tactile
 result = tactile.run("grip.toml")
-print(result.events)
+result.events  # a table
 result.plot()
 """
 

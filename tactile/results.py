@@ -167,7 +167,7 @@ def run(
     """Run the pipeline on a scene, a recording or any source of frames, and return all that it finds.
 
     result = tactile.run("grip.toml")
-    print(result.events)
+    result.events  # a table
 
     Arguments: ``source``, a file, a folder that is one recording, or a source of frames; ``settings``, None for those
     of `tactile run`; ``layout`` of a table of another program. Frames are kept in memory; `tactile.stream` yields them

@@ -1,9 +1,9 @@
-"""Progress of long computations: reported to a watcher, which a command line shows as a bar on a terminal."""
+"""Progress of long computations: a watcher, which is a bar on the terminal of a command or below a notebook's cell."""
 
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import RLock, Timer
+from threading import RLock, Timer, current_thread, main_thread
 from time import monotonic
 from typing import Any, Protocol
 
@@ -23,11 +23,31 @@ class Watcher(Protocol):
 
 class _Watched:
     by: Watcher | None = None
+    cell: "TerminalBar | None" = None
+    shell: Any = None
 
 
 def watcher() -> Watcher | None:
-    """Return the present watcher, or None."""
-    return _Watched.by
+    """Return the present watcher, in a notebook without one the bar of the running cell, else None."""
+    return _Watched.by or _cell_bar()
+
+
+def _cell_bar() -> "TerminalBar | None":
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    if shell is None or not hasattr(shell, "kernel") or current_thread() is not main_thread():
+        return None
+    if _Watched.shell is not shell:
+        _Watched.shell = shell
+        shell.events.register("post_run_cell", _end_cell)
+    if _Watched.cell is None:
+        _Watched.cell = TerminalBar()
+    return _Watched.cell
+
+
+def _end_cell(_result: Any) -> None:
+    if _Watched.cell is not None:
+        _Watched.cell.over()
+    _Watched.cell = None
 
 
 @contextmanager

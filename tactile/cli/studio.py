@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 @ARRAY
 @LAYOUT
 @click.option("--record", "output", type=FILE, help="Recording of the record button (.mcap).")
+@click.option("--replace", is_flag=True, help="Let --record overwrite an existing recording.")
 @click.option("--calibration", type=FILE, help="Gains, depth and correction of a skin.")
 @detection
 @click.option("--window", type=int, help="Frames a texture figure averages [128].")
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 @page_options
 def studio(
     source: str, protocol: str | None, array: Path | None, layout: Path | None, output: Path | None,
-    calibration: Path | None, port: int, host: str, no_browser: bool, **chosen: Any,
+    replace: bool, calibration: Path | None, port: int, host: str, no_browser: bool, **chosen: Any,
 ) -> None:  # fmt: skip
     """Show an array at work in the browser.
 
@@ -65,7 +66,7 @@ def studio(
 
     description = chosen_description(protocol, array)
     options = LiveOptions(calibration=kept_calibration(calibration, description), **chosen)
-    link = PortLink(source, description, options, output)
+    link = PortLink(source, description, options, output, replace)
     with console.stopping(link.session.stop):  # the server passes the signal on when it has ended
         try:
             _serve(link.feed, link, page)

@@ -24,18 +24,22 @@ WARNING_SECONDS = 20.0
 class PortLink:
     """A port whose frames the ``feed`` takes; ``session`` and ``monitor`` as in `tactile live`.
 
-    ``output``: the recording of the record button; a further one has a number in its name.
+    ``output``: the recording of the record button; a further one has a number in its name. ``replace``: the first one
+    may replace a file.
 
     Raises:
         InputError: the port cannot be opened, or the options are wrong.
     """
 
-    def __init__(self, port: str, description: "Description", options: LiveOptions, output: Path | None = None) -> None:
+    def __init__(
+        self, port: str, description: "Description", options: LiveOptions, output: Path | None = None,
+        replace: bool = False,
+    ) -> None:  # fmt: skip
         session_of = need("tactile.serial.session", "a serial port").Session
         self._recording_of: type[Recording] = need("tactile.recording.writer", "an MCAP recording").Recording
         if output is not None:
-            new_mcap(output, False)
-        self._output, self._description = output, description
+            new_mcap(output, replace)
+        self._output, self._replace, self._description = output, replace and output is not None, description
         self._origin = {"port": port, "choices": options.text()}
         self._warned, self._warning = float("-inf"), ""
         fingers = console.warm_up(description, options)
@@ -77,8 +81,10 @@ class PortLink:
         """
         session = self.session
         if on and session.recording is None:
-            self._path, self._before = self._free_name(), session.counts.plain()
-            session.begin_recording(partial(self._recording_of, self._path, self._description, self._origin))
+            self._path, self._before = self._next_name(), session.counts.plain()
+            make = partial(self._recording_of, self._path, self._description, self._origin, replace=self._replace)
+            session.begin_recording(make)
+            self._replace = False
             return f"recording {self._path}"
         recording = None if on else session.end_recording()
         if recording is None:
@@ -88,7 +94,9 @@ class PortLink:
         recording.close(summary)
         return recording.ended or f"recorded {self._path}"
 
-    def _free_name(self) -> Path:
+    def _next_name(self) -> Path:
+        if self._replace and self._output is not None:
+            return self._output
         first = self._output or Path(time.strftime("studio-%Y%m%d-%H%M%S.mcap"))
         names = (first, *(first.with_stem(f"{first.stem}-{n}") for n in range(2, 10**4)))
         return next(one for one in names if not one.exists())

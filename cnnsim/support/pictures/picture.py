@@ -153,7 +153,7 @@ def check_bits(path: str | Path, bits: int) -> None:
     Raises:
         InputError: it cannot.
     """
-    ending = Path(path).suffix.lower()
+    ending = named_file(path).suffix.lower()
     if bits != 8 and ending not in DEEP.get(bits, ()):
         known = "; ".join(f"{count}: {', '.join(endings)}" for count, endings in DEEP.items())
         raise InputError(f"{path}: {bits!r} bits a grey level; 8 wanted, or {known}; .npy holds the numbers themselves")
