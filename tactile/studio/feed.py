@@ -4,6 +4,7 @@ The thread appends and replaces lists, and pages read them, so that it never wai
 """
 
 import threading
+import time
 from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
@@ -16,7 +17,7 @@ from cnnsim.support import InputError
 from tactile import pipeline
 from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, Frame, Quantity
-from tactile.core.source import FrameStream, Source, with_frames
+from tactile.core.source import FrameStream, Source, provenance, with_frames
 from tactile.events.event import Event
 from tactile.finger import Finger
 from tactile.pipeline import FrameReport, Sink
@@ -61,7 +62,7 @@ class Feed:
     """The reports of a source; ``live``: it is a port, of which the oldest are dropped.
 
     ``failure`` is the message of an error that ended it; ``full``: memory ended it, as for long recordings. ``over``:
-    no more reports come.
+    no more reports come. ``computed``: when `again` ended (`time.monotonic`), infinite while it computes.
     """
 
     def __init__(
@@ -70,7 +71,7 @@ class Feed:
     ) -> None:  # fmt: skip
         self.source, self.settings, self.live = source, settings.of(source), live
         self.arrays, self.failure, self.full = source.arrays, "", False
-        self._stopped = False
+        self._stopped, self.computed = False, float("-inf")
         self._fingers = fingers or pipeline.make_fingers(source.arrays, source.modulus, self.settings)
         self._sinks = sinks
         self.rows: list[list[Kept]] = [[] for _ in self.arrays]
@@ -160,6 +161,14 @@ class Feed:
         self.marks = self.marks[max(0, before) :]
 
     @property
+    def no_idle_start(self) -> str:
+        """Why frames from now on do not begin with idle ones, from which a replay takes its tare; "" if they do."""
+        if not provenance(self.source).untared:
+            return ""
+        untared = any(rows and not rows[-1].report.frame.valid.any() for rows in self.rows)
+        return "in contact" if any(self._touching) else "not tared yet" if untared else ""
+
+    @property
     def times(self) -> tuple[float, float] | None:
         """First and last time that is kept [s]; None before the first report."""
         ends = [(rows[0].t, rows[-1].t) for rows in self.rows if rows]
@@ -212,7 +221,11 @@ class Feed:
             log.update((event.key, event) for event in (*report.events, *report.ended))
 
         source = FrameStream("again", self.arrays, self.source.modulus, None, frames(), tare_requests=requests)
-        pipeline.run(source, settings, [note], fingers)
+        self.computed = float("inf")
+        try:
+            pipeline.run(source, settings, [note], fingers)
+        finally:
+            self.computed = time.monotonic()
         return _within(log.values(), begin, end)
 
 

@@ -34,7 +34,7 @@ class Link(Protocol):
     """The port of a feed."""
 
     def status(self) -> dict[str, Any]:
-        """Return ``rate``, ``losses``, ``state``, ``recording`` and ``warning`` as text."""
+        """Return ``rate``, ``losses``, ``state``, ``recording``, ``warning``, ``lost`` and ``answer`` as text."""
 
     def tare(self, force: bool) -> None:
         """Request a tare."""
@@ -160,7 +160,8 @@ class ArrayModel:
         return Message({"is": "done", "text": "tare requested"})
 
     def _record(self, message: Message) -> Message:
-        return Message({"is": "done", "text": self._port().record(message.content.get("on") is True)})
+        text = self._port().record(message.content.get("on") is True)
+        return Message({"is": "done", "text": text, "warning": not text.startswith(("record", "nothing"))})
 
 
 Handler = Callable[[ArrayModel, Message], Message]

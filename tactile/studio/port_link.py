@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
 WARNING_SECONDS = 20.0
 """Time for which a page shows a warning about the port."""
+BEHIND = "after their arrival"
+"""Words of the warning of a session that falls behind."""
+ANSWERS = ("on request", "by force", "refused")
+"""Reasons of a tare that answer a request."""
+NO_TARE = "a replay takes its tare from the first frames; begin while nothing is in contact"
+"""Warning of a recording without idle frames at its start."""
 
 
 class PortLink:
@@ -42,21 +48,33 @@ class PortLink:
         self._output, self._replace, self._description = output, replace and output is not None, description
         self._origin = {"port": port, "choices": options.text()}
         self._warned, self._warning = float("-inf"), ""
+        self._asked, self._answers = set[str](), list[str]()
         fingers = console.warm_up(description, options)
         console.be_steady()
         self.session: Session = session_of(port, description, None, None, False, threading.Event(), self._warn)
         source, session = self.session.source, self.session
-        self.monitor = LiveMonitor(source, console.nothing, session.now, session.note, lambda: session.counts)
+        self.monitor = LiveMonitor(source, self._listen, session.now, session.note, lambda: session.counts)
         settings = options.settings(source, options.skin)
         self.feed = Feed(source, settings, live=True, fingers=fingers, sinks=[self.monitor])
         self._before: dict[str, Any] = {}
         self._path = Path()
 
     def _warn(self, text: str) -> None:
+        if BEHIND in text and time.monotonic() - self.feed.computed < WARNING_SECONDS:
+            text += "; the page computed events with other thresholds meanwhile"
         self._warned, self._warning = time.monotonic(), text
 
+    def _listen(self, line: dict[str, Any]) -> None:
+        """Keep each finger's answer to a tare request."""
+        if line["type"] == "tare" and line["finger"] in self._asked and line["why"].startswith(ANSWERS):
+            self._asked.remove(line["finger"])
+            self._answers.append(f"{line['finger']}: {console.tare_words(line)}")
+
     def status(self) -> dict[str, Any]:
-        """Return rate, losses, state of the port, recording and warning as text."""
+        """Return rate, losses, state of the port, recording, tares and warning as text.
+
+        ``lost``: why the port is closed; ``answer``: the answers to the last tare request.
+        """
         session, recording = self.session, self.session.recording
         rate, losses = status_words(self.monitor.status())
         tares = "; ".join(f"{name}: {console.tare_words(line)}" for name, line in tuple(self.monitor.tared.items()))
@@ -66,15 +84,17 @@ class PortLink:
         return {
             "rate": rate, "losses": losses, "state": session.reader.why or session.check.trouble or "open",
             "recording": "" if recording is None else self._path.name, "tare": tares,
-            "warning": self._warning if warned else "",
+            "warning": self._warning if warned else "", "lost": session.reader.why,
+            "answer": "; ".join(self._answers),
         }  # fmt: skip
 
     def tare(self, force: bool) -> None:
         """Put a tare request into the stream."""
+        self._answers, self._asked = [], {array.name for array in self.feed.arrays}
         self.session.reader.ask_tare(force)
 
     def record(self, on: bool) -> str:
-        """Begin a recording, or end and close it; return a text about it.
+        """Begin a recording, or end and close it; return a text about it, with a warning if a replay has a wrong tare.
 
         Raises:
             InputError: the recording cannot be made.
@@ -85,7 +105,8 @@ class PortLink:
             make = partial(self._recording_of, self._path, self._description, self._origin, replace=self._replace)
             session.begin_recording(make)
             self._replace = False
-            return f"recording {self._path}"
+            why = self.feed.no_idle_start
+            return f"{why}: {NO_TARE}; recording {self._path}" if why else f"recording {self._path}"
         recording = None if on else session.end_recording()
         if recording is None:
             return "nothing to change"

@@ -110,7 +110,7 @@ export class CellPanel {
   show(cell) {
     for (const head of this.heads) head.hidden = false;
     const last = cell.x.length - 1, number = (/** @type {number} */ v) => String(Number(v.toFixed(3)));
-    this.title.replaceChildren(h("b", {}, `cell (${cell.row}, ${cell.col})`), ` x = ${number(cell.x[last])}, y = ${number(cell.y[last])}. `,
+    this.title.replaceChildren(h("b", {}, `row ${cell.row}, column ${cell.col}`), ` x = ${number(cell.x[last])}, y = ${number(cell.y[last])}. `,
       cell.final ? `Its output stays from t = ${number(cell.final)}.` : "Its output has not changed.");
     plot(this.time, ["t", "x", "y", "A∗y", "B∗u"], [cell.t, cell.x, cell.y, cell.feedback, cell.control], { height: 165, series: [{ width: 3 }, { dash: [5, 3] }, { width: 1 }, { width: 1 }] });
     const grid = (/** @type {string} */ name, /** @type {number[][]} */ values) => {

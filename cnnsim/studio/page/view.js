@@ -27,7 +27,7 @@ export class View extends Controls {
     this.input = new Uint8Array();
     /** @type {Uint8Array} */
     this.start = new Uint8Array();
-    this.stroke = false;
+    this.stroke = this.drawn = false;
     this.side = "input";
     this.show = "x";
     this.layer = this.frame = 0;
@@ -37,13 +37,18 @@ export class View extends Controls {
     this.framed = () => {};
     this.left = new Pane("input u: draw here");
     this.right = new Pane("state x: click a cell");
+    this.wait = h("p", { class: "cw-wait", role: "status", hidden: true });
+    this.right.box.append(this.wait);
     this.build(host, this.left.box, this.right.box);
     this.turn("input");
     this.see("x");
     this.left.bind(this, () => this.side);
     this.right.bind(this, () => "state");
     link.failed = (text) => this.say(text, true);
-    link.waits = (busy) => this.say(busy ? "computing; loops are compiled when they are first used" : "");
+    link.waits = (busy) => {
+      this.wait.textContent = this.drawn ? "computing; loops are compiled when they are first used" : "compiling once, about a minute";
+      this.wait.hidden = !busy;
+    };
     link.seen.add((reply) => {
       if (reply.content.is === "planes") this.planes(reply);
       if (reply.content.notice) this.say(reply.content.notice);
@@ -117,6 +122,7 @@ export class View extends Controls {
     if (this.goal === content.index) this.goal = null;
     [this.index, this.first, this.t] = [content.index, content.first, content.t];
     this.right.show(buffers[0], content.shape);
+    this.drawn ||= content.index > 0;
     this.scrub.max = String(Math.max(Number(this.scrub.max), this.index, content.last || 0, 20));
     this.scrub.min = String(this.first);
     this.scrub.value = String(this.index);

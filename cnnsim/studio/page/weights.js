@@ -69,12 +69,22 @@ export class Weights {
     return path.reduce((/** @type {any} */ value, key) => value[key], this.part());
   }
 
+  /** The entries that change with one, itself among them. @param {(string | number)[]} path */
+  places(path) {
+    return this.lock !== "none" && path.length > 2 && (path[0] === "A" || path[0] === "B")
+      ? twins(this.lock, Number(path[1]), Number(path[2]), this.at([path[0]]).length).map(([i, j]) => [path[0], i, j]) : [path];
+  }
+
+  /** Marks the entries that change with one; none for an empty path. @param {(string | number)[]} path */
+  link(path) {
+    const linked = this.places(path).map((place) => JSON.stringify(place));
+    for (const input of this.host.querySelectorAll("input[data-path]")) input.toggleAttribute("data-linked", linked.includes(/** @type {any} */ (input).dataset.path));
+  }
+
   /** @param {(string | number)[]} path @param {number} value */
   put(path, value) {
     if (!Number.isFinite(value)) return;
-    const places = this.lock !== "none" && path.length > 2 && (path[0] === "A" || path[0] === "B")
-      ? twins(this.lock, Number(path[1]), Number(path[2]), this.at([path[0]]).length).map(([i, j]) => [path[0], i, j]) : [path];
-    for (const place of places) this.at(place.slice(0, -1))[place[place.length - 1]] = tidy(value);
+    for (const place of this.places(path)) this.at(place.slice(0, -1))[place[place.length - 1]] = tidy(value);
     this.changed(this.network);
     this.show({ ...this.session, network: this.network, changed: true });
   }
@@ -93,8 +103,14 @@ export class Weights {
         input.toggleAttribute("aria-invalid", !Number.isFinite(typed));
         this.put(path, typed);
       },
-      onblur: () => delete input.dataset.typing,
-      onfocus: () => input.select(),
+      onblur: () => {
+        delete input.dataset.typing;
+        this.link([]);
+      },
+      onfocus: () => {
+        input.select();
+        this.link(path);
+      },
       onkeydown: (/** @type {KeyboardEvent} */ event) => {
         const by = { ArrowUp: 0.1, ArrowDown: -0.1 }[event.key];
         if (!by) return;
@@ -139,7 +155,7 @@ export class Weights {
   /** @param {Content} session */
   build(session) {
     this.session = session;
-    const part = this.part(), layers = this.network.layer || [];
+    const part = this.part(), layers = this.network.layer || [], side = Math.max(1, ...this.shapes().slice(0, 2).map(Number));
     const resize = (/** @type {number} */ by) => {
       for (const name of ["A", "B"]) {
         const matrix = this.at([name]), n = Array.isArray(matrix) ? matrix.length : 1, to = Math.max(1, Math.min(11, n + 2 * by));
@@ -164,7 +180,8 @@ export class Weights {
       layers.length ? h("div", { class: "line points" }, pick, "time constant", this.field(["time_constant"], "time constant of the layer")) : "",
       h("div", { class: "grids" }, this.grid("A", ["A"], "feedback: weights of the neighbours' outputs y"), this.grid("B", ["B"], "control: weights of the neighbours' inputs u")),
       h("div", { class: "z-row" }, h("b", {}, "z"), this.field(["z"], "z, bias"), slider),
-      h("div", { class: "line" }, h("label", { class: "field" }, "change together ", lock),
+      h("div", { class: "line" }, h("label", { class: "field" }, "change together ", lock)),
+      h("div", { class: "line field" }, `size ${side} x ${side}`,
         h("button", { name: "smaller", title: "smaller neighbourhood", onclick: () => resize(-1) }, "−"),
         h("button", { name: "larger", title: "larger neighbourhood", onclick: () => resize(1) }, "+")),
       h("button", { name: "reset", onclick: () => this.reset() }, "back to the library's numbers"),

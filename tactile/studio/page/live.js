@@ -24,14 +24,19 @@ let thresholds;
 let known = {};
 /** @type {Content} */
 let frame = { times: [0, 0] };
-let playing = true, t = 0, wanted = false, shown = performance.now(), drawn = 0, asked = 0, said = "";
+let playing = true, t = 0, wanted = false, shown = performance.now(), drawn = 0, asked = 0, said = "", bad = false, answer = "";
 
 /** @param {string} text @param {boolean} [wrong] */
 function say(text, wrong = false) {
-  find("summary").textContent = text;
+  find("summary").textContent = find("summary").title = text;
   find("summary").classList.toggle("wrong", wrong);
 }
-link.failed = (text) => say((said = text), true);
+
+/** Keeps what came of a request. @param {string} text @param {boolean} [wrong] */
+function note(text, wrong = false) {
+  say((said = text), (bad = wrong));
+}
+link.failed = (text) => note(text, true);
 
 /** Whether the newest frames are shown as they come. */
 const follows = () => known.live && playing;
@@ -63,10 +68,14 @@ function status({ status: now, failure, full, times, over }) {
   find("state").textContent = [now.tare, now.state].filter(Boolean).join("; ");
   find("record").setAttribute("aria-pressed", String(Boolean(now.recording)));
   find("record").textContent = now.recording ? `■ Stop ${now.recording}` : "● Record";
-  const trouble = failure || now.warning || (full ? `memory is full: the first ${times[1].toFixed(0)} s are shown` : "");
-  if (trouble) say((said = trouble), true);
-  else if (!times) say(over ? "no frame has come" : "waiting for frames");
-  else if (!said) say("");
+  const lost = now.lost ? `the port is lost: ${now.lost}` : "";
+  find("record").disabled = Boolean(lost) && !now.recording;
+  find("record").title = lost || "record every byte of the port; begin while nothing is in contact";
+  if (now.answer && now.answer !== answer) note(`tare ${now.answer}`, now.answer.includes("refused"));
+  answer = now.answer;
+  const trouble = [...new Set([failure, lost, now.warning])].filter(Boolean).join("; ") || (full ? `memory is full: the first ${times[1].toFixed(0)} s are shown` : "");
+  const waits = times || said || trouble ? "" : over ? "no frame has come" : "waiting for frames";
+  say([trouble, said, waits].filter(Boolean).join("; "), bad || Boolean(trouble));
 }
 
 /** Time, pressing, friction and roughness of the last seconds. */
@@ -82,16 +91,17 @@ async function curves() {
   [1, 2, 3].forEach((k) => {
     const data = uPlot.join(tables.map((table) => [table[0], table[k]]));
     const x = { time: false, range: [from(), from() + known.span] };
-    plot(find("charts").children[k - 1].lastChild, names, data, { height: k === 1 && names.length > 2 ? 84 : 106, axes: [{}, { space: 15 }], legend: { show: k === 1 && names.length > 2, live: false }, scales: { x }, series: names.slice(1).map(() => ({ spanGaps: tables.length > 1, width: 1.5 })) });
+    plot(find("charts").children[k - 1].lastChild, names, data, { height: k === 1 && names.length > 2 ? 84 : 106, axes: [{}, { space: 15 }], legend: { show: k === 1 && names.length > 2, live: false }, scales: { x }, series: names.slice(1).map(() => ({ width: 1.5 })) });
   });
 }
 
 /** Computes the events again with the thresholds of the sliders. */
 function again() {
+  if (thresholds.any) thresholds.compute();
   link.latest("again", async () => {
-    const found = thresholds.any ? (await link.ask({ do: "thresholds", t, ...thresholds.chosen })).content : null;
-    ribbon.again = thresholds.any ? found : null;
-    thresholds.say(ribbon.again);
+    const found = thresholds.any ? await link.ask({ do: "thresholds", t, ...thresholds.chosen }).catch(() => null) : null;
+    if (link.slots.get("again")?.next) return; // other thresholds are chosen meanwhile
+    thresholds.say((ribbon.again = found && found.content));
     wanted = true;
   });
 }
@@ -149,7 +159,7 @@ addEventListener("keydown", (event) => {
   act();
 });
 /** Sends a request and shows what came of it. @param {Content} what */
-const order = (what) => link.ask(what).then(({ content }) => say((said = content.text))).catch(() => {});
+const order = (what) => link.ask(what).then(({ content }) => note(content.text, content.warning)).catch(() => {});
 find("tare").onclick = () => order({ do: "tare", force: find("force").checked });
 find("record").onclick = () => order({ do: "record", on: find("record").getAttribute("aria-pressed") !== "true" });
 
@@ -161,7 +171,7 @@ async function start() {
   find("port").hidden = !content.port;
   find("speed").hidden = content.live;
   fingers = new Fingers(find("fingers"), find("legend"), content, buffers);
-  ribbon = new Ribbon(find("ribbon"), find("events"), content);
+  ribbon = new Ribbon(find("ribbon"), find("events"), content, seek);
   thresholds = new Thresholds(find("thresholds"), content, again);
   find("charts").append(...["pressing [N]", "friction", "roughness [%]"].map((title) => h("div", {}, h("h3", {}, title), h("div"))));
   play();

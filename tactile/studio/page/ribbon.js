@@ -11,8 +11,8 @@ const LANE = 14, NAMES = 52;
 const light = (hex) => [1, 3, 5].reduce((sum, at, k) => sum + [0.299, 0.587, 0.114][k] * parseInt(hex.slice(at, at + 2), 16), 0) > 140;
 
 export class Ribbon {
-  /** @param {HTMLCanvasElement} canvas @param {HTMLElement} list @param {Content} known */
-  constructor(canvas, list, known) {
+  /** @param {HTMLCanvasElement} canvas @param {HTMLElement} list @param {Content} known @param {(t: number) => void} seek */
+  constructor(canvas, list, known, seek) {
     this.canvas = canvas;
     this.list = list;
     this.known = known;
@@ -22,6 +22,20 @@ export class Ribbon {
     this.again = null;
     /** @type {Map<string, number>} */
     this.lanes = new Map();
+    /** Left, top, right and bottom of each bar, and its onset. @type {number[][]} */
+    this.bars = [];
+    const jump = (/** @type {Event} */ event) => {
+      const item = /** @type {HTMLElement} */ (event.target).closest("li");
+      if (item) seek(Number(item.dataset.t));
+    };
+    list.addEventListener("click", jump);
+    list.addEventListener("keydown", (event) => event.key === "Enter" && jump(event));
+    const over = (/** @type {MouseEvent} */ { offsetX: x, offsetY: y }) => this.bars.find(([left, top, right, bottom]) => x >= left && x <= right && y >= top && y <= bottom);
+    canvas.addEventListener("click", (event) => {
+      const bar = over(event);
+      if (bar) seek(bar[4]);
+    });
+    canvas.addEventListener("pointermove", (event) => (canvas.style.cursor = over(event) ? "pointer" : ""));
   }
 
   /** @param {string} kind */
@@ -34,17 +48,16 @@ export class Ribbon {
     if (events) {
       this.events = events;
       this.list.replaceChildren(...events.slice(-60).reverse().map((one) => {
-        const item = h("li", { title: one.words }, h("time", {}, one.t.toFixed(2)), ` ${one.finger} `, h("b", {}, one.words));
+        const item = h("li", { title: `${one.words}: go to its onset`, "data-t": one.t, tabindex: 0 }, h("time", {}, one.t.toFixed(2)), ` ${one.finger} `, h("b", {}, one.words));
         item.style.setProperty("--kind", this.colour(one.kind));
         return item;
       }));
     }
-    const again = this.again && t >= this.again.begin ? this.again.events : [];
     /** @type {[string, Content[]][]} */
-    const parts = again.length ? [["", this.events], ["↻ ", again]] : [["", this.events]];
+    const parts = this.again ? [["", this.events], ["↻ ", t >= this.again.begin ? this.again.events : []]] : [["", this.events]];
     const names = [...this.known.arrays.map((/** @type {Content} */ a) => a.name), "hand"];
     /** @type {Content[]} */
-    const rows = parts.flatMap(([word, list]) => names.map((finger) => ({ name: word + finger, again: word !== "", events: list.filter((e) => e.finger === finger) })))
+    const rows = names.flatMap((finger) => parts.map(([word, list]) => ({ name: word + finger, again: word !== "", events: list.filter((e) => e.finger === finger) })))
       .filter((row) => !row.name.endsWith("hand") || row.events.length);
     for (const row of rows) row.height = LANE * (1 + Math.max(0, ...row.events.map((/** @type {Content} */ e) => this.lane(row, e)))) + 3;
     this.draw(rows, t, begin);
@@ -80,6 +93,7 @@ export class Ribbon {
       if (s % 2 === 0) c.fillText(`${s} s`, Math.min(x(s) + 2, width - 24), height - 7);
     }
     let top = 0;
+    this.bars = [];
     for (const row of rows) {
       c.fillStyle = style.getPropertyValue("--ink");
       c.fillText(row.name, 3, top + 9, NAMES - 6);
@@ -88,6 +102,7 @@ export class Ribbon {
         c.globalAlpha = row.again ? 0.6 : 1;
         c.fillStyle = this.colour(event.kind);
         c.fillRect(from, y, to - from, LANE - 3);
+        this.bars.push([from, y, to, y + LANE - 3, event.t]);
         c.globalAlpha = 1;
         if (to - from < 24) continue;
         c.save();

@@ -39,9 +39,11 @@ export class Thresholds {
     const sigma = (/** @type {string} */ label, /** @type {number} */ k) => slider(label, `sigma-${k}`, thresholds.sigmas[k], 20, (v) => `${short(v, 2)} σ`, (value) => {
       this.chosen.sigmas = Object.assign([...(this.chosen.sigmas || thresholds.sigmas)], { [k]: value });
     });
-    host.append(h("h3", {}, "Thresholds", h("button", { id: "reset", onclick: () => this.reset() }, "as the run")),
-      level("dead band", "dead_band"), level("hysteresis", "hysteresis"), level("contact", "contact_level"),
-      sigma("dead band", 0), sigma("hysteresis", 1), sigma("contact", 2), this.result, this.options);
+    host.append(h("h3", {}, "Thresholds", h("button", { id: "reset", onclick: () => this.reset() }, "reset")),
+      h("p", { class: "about", title: "Once the noise is measured, a lowest level that is not chosen is a twentieth of its default." },
+        "Each taxel switches at the larger of its lowest level and its multiple of the noise."),
+      h("h4", {}, `Lowest level [${unit}]`), level("dead band", "dead_band"), level("hysteresis", "hysteresis"), level("contact", "contact_level"),
+      h("h4", {}, "Multiple of the noise [σ]"), sigma("dead band", 0), sigma("hysteresis", 1), sigma("contact", 2), this.result, this.options);
     this.say(null);
   }
 
@@ -54,6 +56,12 @@ export class Thresholds {
     for (const [input, output, text, value] of this.fields) [input.value, output.textContent] = [value, text(value)];
     this.say(null);
     this.changed(this.chosen);
+  }
+
+  /** Says that the events are being computed. */
+  compute() {
+    this.result.textContent = "computing ...";
+    this.options.textContent = "";
   }
 
   /** @param {Content | null} again */

@@ -18,14 +18,14 @@ def test_a_clicked_cell_shows_its_route(browser: Browser) -> None:
     for _ in range(3):
         browser.page.click("[name=next]")
     browser.page.mouse.click(*browser.at(RIGHT, 5, 9))
-    browser.until("document.querySelector('[name=cell-title]').textContent.startsWith('cell (5, 9)')")
+    browser.until("document.querySelector('[name=cell-title]').textContent.startsWith('row 5, column 9')")
     assert browser.page.locator("#panel-cell .uplot").count() == 2
     assert browser.page.locator("#panel-cell .parts .weight").count() == 18
     assert "stable" in browser.text("#panel-cell .about")
     browser.page.locator(".cw-pane canvas").nth(RIGHT).focus()
     browser.page.keyboard.press("ArrowDown")
     browser.page.keyboard.press("Enter")
-    browser.until("document.querySelector('[name=cell-title]').textContent.startsWith('cell (6, 9)')")
+    browser.until("document.querySelector('[name=cell-title]').textContent.startsWith('row 6, column 9')")
 
 
 def test_the_library_is_searched_compared_and_opened(browser: Browser) -> None:

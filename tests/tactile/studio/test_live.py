@@ -53,10 +53,13 @@ def test_a_port_is_shown_tared_and_recorded_twice(tmp_path: Path) -> None:
         frames = 2 * len(stream)  # a packet has both fingers
         wait_until(lambda: link.session.counts.good == frames)
         status = ask(model, "frame").content["status"]
+        assert "left: by force" in status["answer"]
         assert f"{frames} good, 0 bad checksum" in status["losses"]
         assert "frames/s" in status["rate"]
         assert "a.mcap" in ask(model, "record", on=False).content["text"]
-        ask(model, "record", on=True)
+        said = ask(model, "record", on=True).content
+        assert said["warning"] == said["text"].startswith("in contact: a replay takes its tare")
+        assert said["warning"] == any(one.report.code.contact.any() for one in link.feed.at(99.0) if one)
         assert ask(model, "frame").content["status"]["recording"] == "a-2.mcap"
     recorded = open_recording(tmp_path / "a.mcap")
     assert recorded.complete
@@ -113,11 +116,13 @@ def test_no_frame_is_lost_at_1000_a_second_while_a_page_is_open(tmp_path: Path) 
             page.until("document.querySelector('#record').textContent", "■ Stop a.mcap")
             page.until("Number(document.body.dataset.t) > 3.9")
             page.page.click("#tare")
-            page.until("document.querySelector('#summary').textContent", "tare requested")
+            page.until("document.querySelector('#summary').textContent.includes('tare ')")  # requested, then the answer
             page.until("!document.querySelector('#state').textContent.endsWith('open')")  # its frames have ended
             said = end()
             page.page.click("#record")
             page.until("document.querySelector('#record').textContent", "● Record")
+            assert page.page.is_disabled("#record")
+            assert page.text("#summary").startswith("the port is lost: ")
             assert not page.console
         link.close()
     sent, lost = map(int, re.findall(r"\d+", said))

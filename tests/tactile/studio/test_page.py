@@ -171,6 +171,17 @@ def test_thresholds_make_the_events_again(browser: Browser, known: Known) -> Non
     browser.until(f"document.querySelector('#ribbon').clientHeight < {height}")  # without the rows of these events
 
 
+def test_a_click_on_an_event_goes_to_its_onset(browser: Browser) -> None:
+    seek(browser, 5.5)
+    browser.page.click("#events li:last-child")
+    onset = float(browser.page.get_attribute("#events li:last-child", "data-t") or "")
+    browser.until("Number(document.body.dataset.t)", onset)
+    seek(browser, 5.5)
+    width = browser.pixels(0, "#ribbon").shape[1]
+    browser.page.click("#ribbon", position={"x": 52 + 3 * (width - 56) / 10, "y": 8})  # the first contact
+    browser.until("Number(document.body.dataset.t)", onset)
+
+
 def test_the_planes_of_a_program_are_next_to_the_taxels(browser: Browser, known: Known) -> None:
     seek(browser, T)
     for finger, report in enumerate(known.at(T)):
