@@ -19,7 +19,7 @@ _FILE = click.Path(path_type=Path)
 @click.command(
     epilog=examples(
         "cnnsim train examples/learn/edge.toml -o learned/",
-        "cnnsim train examples/learn/edge.toml -o learned/ --curve learned/edge.png --json",
+        "cnnsim train examples/learn/edge.toml -o learned/ --curve learned/edge.png --replace --json",
     )
 )
 @click.argument("spec", type=_FILE)
