@@ -75,8 +75,7 @@ def studio(
 
 
 def _of_file(path: Path, layout: Path | None, calibration: Path | None, chosen: dict[str, Any]) -> "Feed":
-    from tactile import pipeline  # slow to import
-    from tactile.cli.opened import RunChoices, open_for_run  # the same
+    from tactile.cli.opened import RunChoices, open_for_run  # slow to import
     from tactile.settings import PipelineOptions  # the same
     from tactile.studio.feed import Feed  # the same
 
@@ -84,9 +83,7 @@ def _of_file(path: Path, layout: Path | None, calibration: Path | None, chosen: 
     for line in (*opened.notes, opened.forces):
         if line:
             Notices.say(f"note: {line}")
-    source = opened.source
-    pipeline.warm_up(source.arrays, source.modulus, opened.settings)
-    return Feed(source, opened.settings)
+    return Feed(opened.source, opened.settings, compiling=True)
 
 
 def _serve(feed: "Feed", link: Any, page: tuple[int, str, bool]) -> None:

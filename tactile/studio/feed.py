@@ -63,15 +63,16 @@ class Feed:
 
     ``failure`` is the message of an error that ended it; ``full``: memory ended it, as for long recordings. ``over``:
     no more reports come. ``computed``: when `again` ended (`time.monotonic`), infinite while it computes.
+    ``compiling``: all loops are compiled before the first frame, and it is true until then.
     """
 
     def __init__(
         self, source: Source, settings: Settings, *, live: bool = False, fingers: list[Finger] | None = None,
-        sinks: Iterable[Sink] = (),
+        sinks: Iterable[Sink] = (), compiling: bool = False,
     ) -> None:  # fmt: skip
         self.source, self.settings, self.live = source, settings.of(source), live
         self.arrays, self.failure, self.full = source.arrays, "", False
-        self._stopped, self.computed = False, float("-inf")
+        self._stopped, self.computed, self.compiling = False, float("-inf"), compiling
         self._fingers = fingers or pipeline.make_fingers(source.arrays, source.modulus, self.settings)
         self._sinks = sinks
         self.rows: list[list[Kept]] = [[] for _ in self.arrays]
@@ -106,6 +107,9 @@ class Feed:
 
     def _run(self) -> None:
         try:
+            if self.compiling:
+                pipeline.warm_up(self.arrays, self.source.modulus, self.settings)
+                self.compiling = False
             pipeline.run(
                 with_frames(self.source, self._frames()), self.settings, [self._take, *self._sinks], self._fingers
             )

@@ -97,6 +97,7 @@ class ArrayModel:
         """Reply with the newest report of each finger at a time, and the events before it if they have changed."""
         feed, t = self.feed, self._time(message)
         content: dict[str, Any] = {"is": "frame", "over": feed.over, "failure": feed.failure, "full": feed.full}
+        content["compiling"] = feed.compiling
         content |= {"status": self.link.status()} if self.link else {"status": recorded_rate(feed)}
         if t is None:
             return Message(content | {"fingers": []})

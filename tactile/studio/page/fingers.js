@@ -7,6 +7,9 @@ import { h, paint } from "./base.js";
 /** Digits for people. @param {number} value @param {number} [digits] */
 export const short = (value, digits = 3) => String(Number(value.toPrecision(digits)));
 
+/** What the validity of a load means. @type {{[validity: string]: string}} */
+const MEANING = { inside: "the load is within sqrt(2) depths of the taxels, where its place is reliable", outside: "the load is sqrt(2) depths or farther away", "no single point load": "the signals fit no point load, nor a few that are well apart" };
+
 /** Newtons for people. @param {number} value */
 const newtons = (value) => `${Math.abs(value) < 5e-4 ? 0 : short(value, 2)} N`;
 
@@ -47,12 +50,13 @@ export class Fingers {
   constructor(host, legend, known, maps) {
     this.known = known;
     this.legend = legend;
+    if (known.arrays[0].unit === "‰") legend.title = "‰: strain in thousandths";
     this.maps = maps.map((bytes) => new Uint32Array(bytes.slice().buffer));
     this.pulls = this.smooth = false;
     this.cards = known.arrays.map((/** @type {Content} */ array) => {
       const canvas = h("canvas", { role: "img", "aria-label": `taxels of ${array.name}` });
       const card = { array, canvas, box: h("div", { class: "box" }, canvas), load: h("output", { class: "load", "data-finger": array.name }),
-        arrows: h("pre", { class: "arrows", "aria-label": "code" }), bits: h("pre", { class: "bits", "aria-label": "sign code" }), planes: h("div") };
+        arrows: h("pre", { class: "arrows", "aria-label": "code", title: "directions of the shear that is above the dead band" }), bits: h("pre", { class: "bits", "aria-label": "sign code", title: "sign code: two bits per taxel, x then y; 1 is a positive shear" }), planes: h("div") };
       host.append(h("article", { class: "finger" }, h("h2", {}, `${array.name}, ${array.rows} x ${array.cols}`), card.box,
         h("div", { class: array.rows > 4 ? "side dense" : "side" }, card.arrows, card.bits, card.planes), card.load));
       return card;
@@ -77,7 +81,7 @@ export class Fingers {
       card.arrows.textContent = now.arrows.replaceAll(" ", "\n");
       card.bits.textContent = now.bits.match(new RegExp(`.{${2 * card.array.cols}}`, "g")).map((/** @type {string} */ row) => row.match(/../g)?.join(" ")).join("\n");
       card.load.textContent = now.load ? words(now) : now.validity;
-      card.load.title = card.load.textContent;
+      card.load.title = `${card.load.textContent}${MEANING[now.validity] ? `\n${now.validity}: ${MEANING[now.validity]}` : ""}`;
       next = this.programs(card, now.outputs, buffers, next);
     });
     this.key(frame.scales[this.cards[0].array.quantity], this.cards[0].array, pitch);

@@ -62,7 +62,7 @@ async function ask() {
 }
 
 /** @param {Content} content */
-function status({ status: now, failure, full, times, over }) {
+function status({ status: now, failure, full, times, over, compiling }) {
   find("rate").textContent = now.rate;
   find("losses").textContent = find("losses").title = now.losses;
   find("state").textContent = [now.tare, now.state].filter(Boolean).join("; ");
@@ -74,7 +74,7 @@ function status({ status: now, failure, full, times, over }) {
   if (now.answer && now.answer !== answer) note(`tare ${now.answer}`, now.answer.includes("refused"));
   answer = now.answer;
   const trouble = [...new Set([failure, lost, now.warning])].filter(Boolean).join("; ") || (full ? `memory is full: the first ${times[1].toFixed(0)} s are shown` : "");
-  const waits = times || said || trouble ? "" : over ? "no frame has come" : "waiting for frames";
+  const waits = times || said || trouble ? "" : over ? "no frame has come" : compiling ? "compiling once, about a minute" : "waiting for frames";
   say([trouble, said, waits].filter(Boolean).join("; "), bad || Boolean(trouble));
 }
 

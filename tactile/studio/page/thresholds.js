@@ -42,8 +42,8 @@ export class Thresholds {
     host.append(h("h3", {}, "Thresholds", h("button", { id: "reset", onclick: () => this.reset() }, "reset")),
       h("p", { class: "about", title: "Once the noise is measured, a lowest level that is not chosen is a twentieth of its default." },
         "Each taxel switches at the larger of its lowest level and its multiple of the noise."),
-      h("h4", {}, `Lowest level [${unit}]`), level("dead band", "dead_band"), level("hysteresis", "hysteresis"), level("contact", "contact_level"),
-      h("h4", {}, "Multiple of the noise [σ]"), sigma("dead band", 0), sigma("hysteresis", 1), sigma("contact", 2), this.result, this.options);
+      h("h4", { title: unit === "‰" ? "strain in thousandths" : undefined }, `Lowest level [${unit}]`), level("dead band", "dead_band"), level("hysteresis", "hysteresis"), level("contact", "contact_level"),
+      h("h4", { title: "σ: standard deviation of a taxel without a load" }, "Multiple of the noise [σ]"), sigma("dead band", 0), sigma("hysteresis", 1), sigma("contact", 2), this.result, this.options);
     this.say(null);
   }
 

@@ -125,6 +125,17 @@ def test_a_wrong_message_is_refused(content: dict[str, Any], known: Known) -> No
         ArrayModel(known.feed).receive(Message(content))
 
 
+def test_loops_are_compiled_before_the_first_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    feed, seen = Feed(open_source(GRIP), Settings(), compiling=True), list[Any]()
+    model = ArrayModel(feed)
+    monkeypatch.setattr("tactile.pipeline.warm_up", lambda *_: seen.append(ask(model, "frame").content))
+    feed.start()
+    feed.wait()
+    assert [(one["compiling"], one["fingers"]) for one in seen] == [(True, [])]
+    assert feed.times is not None
+    assert not ask(model, "frame").content["compiling"]
+
+
 def test_a_source_without_frames_has_no_time(known: Known) -> None:
     model = ArrayModel(Feed(open_source(GRIP), Settings()))
     assert ask(model, "frame").content["fingers"] == []
