@@ -13,7 +13,7 @@ from numba.core.dispatcher import Dispatcher
 from tactile import pipeline
 from tactile.cli.port.live import LiveMonitor, LiveOptions
 from tactile.core.source import FrameStream
-from tactile.sources import open_source
+from tactile.simulator.scene_file.file import read_scene
 from tactile.wire.packets import emulated_description
 from tactile.wire.source import WireSource
 from tests.kits.serial import GRIP, grip
@@ -23,14 +23,15 @@ plain = Dispatcher.compile
 Dispatcher.compile = lambda self, signature: (late.append(self.py_func.__name__), plain(self, signature))[1]
 scene = grip(3.0)
 source = WireSource(emulated_description("native", scene), ())
-found = list(open_source(GRIP))
-for quantity, scale in (("strain", 1.0), ("stress", 2e6), ("force", -1e3)):
+for quantity in ("strain", "stress", "force"):
     arrays = tuple(replace(array, quantity=quantity) for array in scene.arrays)
+    found = list(replace(read_scene(GRIP), arrays=scene.arrays if quantity == "force" else arrays))
+    largest = max(np.abs(frame.values).max() for frame in found)
+    scale = -1e3 if quantity == "force" else 1.0  # a point load presses one force taxel alone: strains as forces
     rng = np.random.default_rng(0)
     frames = []
     for frame in found:
-        values = frame.values * scale
-        values += 1e-5 * abs(scale) * rng.standard_normal(values.shape)
+        values = scale * (frame.values + 3e-4 * largest * rng.standard_normal(frame.values.shape))
         if 1.2 < frame.t < 1.25:
             values[0, 0] *= -3.0  # a taxel that contradicts the others
         frames.append(replace(frame, values=values))
