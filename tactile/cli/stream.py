@@ -151,7 +151,9 @@ def live(
 
 @click.command(
     epilog=examples(
-        "tactile replay hand.mcap", "tactile replay hand.mcap --paced --json", "tactile replay glove.csv --paced"
+        "tactile replay hand.mcap",
+        "tactile replay hand.mcap --paced --json",
+        "tactile replay examples/grasp.npz --speed 5",
     )
 )
 @click.argument("recording", type=FILE)

@@ -76,7 +76,7 @@ def runs_on_a_page(line: str) -> bool:
 
 def wants_port(line: str) -> bool:
     """Return whether a line needs a board or a recording of one."""
-    return line.split()[1] in ("emulate", "live", "record", "replay") or "hand.mcap" in line
+    return line.split()[1] in ("emulate", "live", "record") or "hand.mcap" in line
 
 
 @pytest.fixture(scope="module")
