@@ -99,8 +99,8 @@ def trace(
     found = record(task, where, watching_time(task, where) if duration is None else duration, frames, layer)
     chosen = chosen or representative_cells(found)
     if numbers and output is not None:
-        with writing(output) as beside:
-            np.savez(beside, t=found.t, x=found.x, y=found.y)
+        with writing(output) as temporary:
+            np.savez(temporary, t=found.t, x=found.x, y=found.y)
     elif output is not None:
         from cnnsim.prototyping.trace.plot import draw_trace
 

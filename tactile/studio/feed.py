@@ -92,7 +92,7 @@ class Feed:
         self._thread.start()
 
     def stop(self) -> None:
-        """Take no more frames, also not those that wait."""
+        """Stop taking frames, including those already queued."""
         self._stopped = True
         self.wait()
 

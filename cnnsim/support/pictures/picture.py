@@ -148,7 +148,7 @@ def write_picture(values: Array, path: str | Path, scale: int = 1, *, bits: int 
 
 
 def check_bits(path: str | Path, bits: int) -> None:
-    """Check that a file can hold grey levels of so many bits.
+    """Check that a file can hold grey levels of ``bits`` bits.
 
     Raises:
         InputError: it cannot.

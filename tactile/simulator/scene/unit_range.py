@@ -19,7 +19,7 @@ HIGHEST = 1e3
 """Range of a height map over its pitch."""
 
 
-# Kinds of contacts are told by their attributes: a kind that a scene does not name is not imported.
+# Contacts are distinguished by their attributes: a kind that a scene does not name is not imported.
 def doubtful_units(scene: Any) -> Iterator[str]:  # a `Scene`, which imports this
     """Yield one line for each number of a scene that is far from any skin or is lost in its recording."""
     if not SOFTEST <= scene.modulus <= HARDEST:
