@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.backends.memory import cell_bytes
 from cnnsim.network import ZERO_FLUX, AnyTemplate, Boundary, Cell, CellModel, Frames
-from cnnsim.network.boundary import parse_boundary
 from cnnsim.network.layers import check_template
+from cnnsim.network.sides import NO_CELLS, Sides, parse_run_boundary
 from cnnsim.planning.plan import Plan, make_plan
 from cnnsim.planning.step import Duration
 from cnnsim.recording import recorded
@@ -139,7 +139,7 @@ class TaskOptions(TypedDict, total=False):
     input: ArrayLike | Frames[Any] | None
     bias: ArrayLike | Frames[Any] | None
     mask: ArrayLike | None
-    boundary: Boundary | str
+    boundary: Boundary | Sides | str
     duration: Duration
     cell: CellModel | Cell
     scheme: str | None
@@ -156,7 +156,7 @@ def make_task(
     input: ArrayLike | Frames[Any] | None = None,  # noqa: A002 - the field's word for u
     bias: ArrayLike | Frames[Any] | None = None,
     mask: ArrayLike | None = None,
-    boundary: Boundary | str = ZERO_FLUX,
+    boundary: Boundary | Sides | str = ZERO_FLUX,
     duration: Duration = "settled",
     cell: CellModel | Cell = "chua-yang",
     scheme: str | None = None,
@@ -171,6 +171,7 @@ def make_task(
     (n, layers, rows, cols), where a plane (rows, cols) stands for all grids and layers; ``input`` and ``bias`` may be
     `Frames`; ``bias`` is added to z cell by cell; ``mask`` > 0 keeps a cell's state; ``duration`` in time constants or
     ``"settled"`` (see `Plan`), then at most ``limit``;
+    ``boundary`` a `Boundary`, `Sides`, or a form of either on the command line;
     ``scheme`` and ``step`` as in `planning.scheme`, or None to let the plan choose; ``without`` as in `make_plan`;
     ``accuracy`` instead of scheme and step: the largest error of a state, ``"binary"`` where only the signs of the
     outputs count, or ``"exact"`` for 1e-10.
@@ -186,8 +187,11 @@ def make_task(
     u, w = _planes("input", input, x.shape), _planes("bias", bias, x.shape)
     if u is None and template.reads_input:
         raise InputError(f"template {template.name!r} has a B, or a term of u, so it needs an input plane")
+    around = parse_run_boundary(boundary)
+    if isinstance(around, Sides):
+        w, around = _added(around.bias(template, x.shape), w, x), NO_CELLS
     plan = make_plan(
-        template, x.shape, parse_boundary(boundary), duration=duration, cell=cell, scheme=scheme, step=step,
+        template, x.shape, around, duration=duration, cell=cell, scheme=scheme, step=step,
         limit=limit, without=without, periods=[value.period for value in (u, w) if isinstance(value, Frames)],
         grey=lambda: is_grey(x),
     )  # fmt: skip
@@ -196,6 +200,13 @@ def make_task(
     if tolerance is not None:
         plan = replace(plan, decisions=(*plan.decisions, decision(plan, tolerance, x.shape)))
     return Task(plan, x, u, w, None if mask is None else _plane("mask", mask, x.shape) > 0, tolerance)
+
+
+def _added(virtual: Array, bias: Any, state: Array) -> Any:
+    """Return a bias map, or a sequence of them, with the bias of the virtual cells added."""
+    if isinstance(bias, Frames):
+        return bias.map(lambda plane: plane + virtual)
+    return np.broadcast_to(virtual, state.shape) if bias is None else bias + virtual
 
 
 def load(backend: Backend, value: Any) -> Any:

@@ -22,8 +22,8 @@ from cnnsim.cli.pictures import (
     read_for,
     write_planes,
 )
-from cnnsim.network import LayeredTemplate, parse_boundary
-from cnnsim.network.boundary import BOUNDARY_FORMS
+from cnnsim.network import LayeredTemplate
+from cnnsim.network.sides import RUN_BOUNDARY_FORMS, parse_run_boundary
 from cnnsim.planning.savings import Saving
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.solver.tolerance import parse_accuracy
@@ -70,7 +70,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON f
 @bits_option
 @binary_option
 @range_option
-@click.option("--boundary", help=f"{BOUNDARY_FORMS} instead of the template's own.")
+@click.option("--boundary", help=f"{RUN_BOUNDARY_FORMS} instead of the template's own.")
 @click.option("--time", "duration", type=float, help="Run this many time constants instead of the template's own rule.")
 @click.option(
     "--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's choice."
@@ -116,7 +116,7 @@ def run(
     entry = library.load(name)
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     if "boundary" in given:
-        given["boundary"] = parse_boundary(given["boundary"])
+        given["boundary"] = parse_run_boundary(given["boundary"])
     check_engine_options(engine, store, workers, block)
     check_film(trajectory)
     claim(trajectory)

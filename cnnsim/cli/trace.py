@@ -16,8 +16,7 @@ from cnnsim.cli.pictures import (
     read_for,
 )
 from cnnsim.cli.run import backend_option, json_option
-from cnnsim.network import parse_boundary
-from cnnsim.network.boundary import BOUNDARY_FORMS
+from cnnsim.network.sides import RUN_BOUNDARY_FORMS, parse_run_boundary
 from cnnsim.planning.scheme import ADAPTIVE, SCHEMES
 from cnnsim.support import InputError
 from cnnsim.support.command_files import claim
@@ -54,7 +53,7 @@ _FILE = click.Path(path_type=Path)
 @click.option("--state", type=_FILE, help="The second picture, for templates that take one.")
 @binary_option
 @range_option
-@click.option("--boundary", help=f"{BOUNDARY_FORMS} instead of the template's own.")
+@click.option("--boundary", help=f"{RUN_BOUNDARY_FORMS} instead of the template's own.")
 @click.option("--time", "duration", type=float, help="Watch this many time constants instead of until it settles.")
 @click.option("--scheme", type=click.Choice([*SCHEMES, ADAPTIVE]), help="Integration scheme instead of the plan's.")
 @backend_option
@@ -87,7 +86,7 @@ def trace(
     shown = read_for(entry, pictures, reading, batch=False)
     given = entry.task(shown, read_beside(state, "--state", shown, reading))
     if boundary is not None:
-        given["boundary"] = parse_boundary(boundary)
+        given["boundary"] = parse_run_boundary(boundary)
     chosen = [parse_cell_index(cell, given["state"].shape[-2:]) for cell in cells]
     if scheme is not None:
         given.pop("step", None)  # it was meant for another scheme

@@ -5,6 +5,7 @@ from cnnsim.network.cell import CellModel
 from cnnsim.network.characteristic import CHUA_YANG, Cell, Characteristic
 from cnnsim.network.frames import Frames
 from cnnsim.network.layers import AnyTemplate, LayeredTemplate, layered
+from cnnsim.network.sides import Sides
 from cnnsim.network.table import Table
 from cnnsim.network.template import Template
 from cnnsim.network.term import Argument, Quantity, Term
@@ -23,6 +24,7 @@ __all__ = [
     "Frames",
     "LayeredTemplate",
     "Quantity",
+    "Sides",
     "Table",
     "Tap",
     "Template",

@@ -11,7 +11,8 @@ import numpy as np
 
 from cnnsim.backends.base import Backend, Outcome
 from cnnsim.convergence import NotSettledError, settled_result
-from cnnsim.network import AnyTemplate, Frames
+from cnnsim.network import ZERO_FLUX, AnyTemplate, Frames, Sides
+from cnnsim.network.sides import parse_run_boundary
 from cnnsim.planning.plan import Plan
 from cnnsim.result import Result
 from cnnsim.solver.rest_distance import SETTLED_DISTANCE, contraction_bound
@@ -43,6 +44,8 @@ def run_on_engine(
             superstep).
         NotSettledError: as `run_transient`.
     """
+    if isinstance(parse_run_boundary(choices.get("boundary", ZERO_FLUX)), Sides):
+        raise InputError("a boundary value for each side on an engine; one value for all sides, or no engine, wanted")
     task, planes = _task(template, choices)
     if task.accuracy is not None:
         raise InputError(

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim import PERIODIC, ZERO_FLUX, Boundary, InputError, Template, fixed, run_transient
+from cnnsim import PERIODIC, ZERO_FLUX, Boundary, Frames, InputError, Sides, Template, fixed, run, run_transient
 from cnnsim.network import Tap, pad, parse_boundary
+from cnnsim.network.sides import parse_run_boundary
 
 
 @pytest.mark.parametrize(("a", "message"), [
@@ -155,6 +156,41 @@ def test_a_network_that_never_settles_says_so_and_keeps_its_result() -> None:
     assert not caught.value.result.settled
     calm = Template([[0.0, 0, 0], [-0.9, 2, 0.9], [0.0, 0, 0]])
     assert run_transient(calm, **task, limit=200.0).settled
+
+
+@pytest.mark.parametrize(("backend", "dtype", "tolerance"), [
+    ("reference", "float64", 1e-12), ("cpu", "float32", 1e-5), ("opencl", "float32", 1e-5),
+])  # fmt: skip
+@pytest.mark.parametrize("shape", [(1, 1), (1, 5), (6, 4)])
+def test_a_value_for_each_side_is_a_ring_of_held_cells(
+    backend: str, dtype: Any, tolerance: float, shape: tuple[int, int]
+) -> None:
+    rng, (rows, cols), r = np.random.default_rng(3), shape, 2
+    template = Template(rng.normal(size=(3, 3)) / 3, rng.normal(size=(5, 5)) / 5, 0.2)
+    x, u, bias = rng.uniform(-1, 1, (3, *shape))
+    ring = np.full((rows + 2 * r, cols + 2 * r), np.nan)
+    ring[:, :r], ring[:, -r:] = -0.25, 0.5
+    ring[:r], ring[-r:] = 1, -1  # the corners belong to the top and the bottom
+    inner = np.s_[r:-r, r:-r]
+    mask, state, input_, biases = np.ones_like(ring), ring.copy(), ring.copy(), np.zeros_like(ring)
+    mask[inner], state[inner], input_[inner], biases[inner] = -1, x, u, bias
+    held = run_transient(template, state=state, input=input_, bias=biases, mask=mask, boundary=fixed(0), duration=3.0,
+                         scheme="euler", step=0.1, backend="reference", dtype="float64")  # fmt: skip
+    for planes in ({"bias": bias}, {"bias": Frames([bias, bias], 1.0)}):
+        end = run_transient(template, state=x, input=u, boundary=Sides(1, 0.5, -1, -0.25), duration=3.0, scheme="euler",
+                            step=0.1, backend=backend, dtype=dtype, **planes)  # fmt: skip
+        assert np.abs(end.x - held.x[inner]).max() < tolerance
+
+
+def test_sides_are_numbers_from_minus_one_to_one_of_a_linear_template() -> None:
+    assert parse_run_boundary("sides:1,-1,0,0.5") == Sides(1, -1, 0, 0.5)
+    assert parse_run_boundary("periodic") == PERIODIC
+    for text, message in (("sides:1,2,0,0", "boundary value of the right is 2"), ("sides:1,0", "four numbers wanted"),
+                          ("sides:a,b,c,d", "four numbers wanted")):  # fmt: skip
+        with pytest.raises(InputError, match=message):
+            parse_run_boundary(text)
+    with pytest.raises(InputError, match="has layers or terms"):
+        run("perona-malik", np.zeros((3, 3)), boundary=Sides(0, 0, 0, 1))
 
 
 def test_a_reflecting_boundary_on_other_backends_is_right_or_refused() -> None:
