@@ -58,6 +58,21 @@ def gray_line(case: Case) -> Plane:
     return plane(votes - 4.5 + 0.5 * case.picture > 0)
 
 
+def gray_diagonal(sign: int) -> Callable[[Case], Plane]:
+    """Votes of +-1/2: cells within one place of the diagonal are as dark as the cell, all others are lighter."""
+
+    def solve(case: Case) -> Plane:
+        rows, cols = case.picture.shape
+        around, votes = np.pad(case.picture, 2), np.full((rows, cols), -1.8)
+        for k, l in np.ndindex(5, 5):
+            lighter = case.picture - around[k : k + rows, l : l + cols] > 0.18
+            on_band = abs((k - 2) - sign * (l - 2)) <= 1
+            votes += 0 if (k, l) == (2, 2) else np.where(lighter == on_band, -0.5, 0.5)
+        return plane(votes > 0)
+
+    return solve
+
+
 def rank(number: int) -> Callable[[Case], Plane]:
     """The neighbour of that rank, 0 the smallest of 8, and the next one's mean."""
 
@@ -144,6 +159,8 @@ ANSWERS: dict[str, Callable[[Case], Plane]] = {
         ((differences(case.picture) <= -0.2).sum(axis=0) - (differences(case.picture) > 0.2).sum(axis=0)) / 8
     ),
     "gray-line-30-60": gray_line,
+    "gray-diagonal-nw-se": gray_diagonal(1),
+    "gray-diagonal-ne-sw": gray_diagonal(-1),
     "row-histogram": slid_left,
     "life-discrete": life_layers,
     "life-discrete-1-layer": lambda case: plane(life(black(case.start))),

@@ -23,7 +23,7 @@ OFFERED = {
     "gradient", "train", "Training", "TrainingTask", "Stage",
     "Term", "LayeredTemplate", "Table", "Cell", "Frames", "Boundary", "fixed", "ZERO_FLUX", "PERIODIC", "explain",
     "library", "devices", "read_picture", "read_pictures", "write_picture",
-    "Result", "InputError", "NotSettledError", "__version__",
+    "Result", "Sides", "InputError", "NotSettledError", "__version__",
 }  # fmt: skip
 
 SQUARE = -np.ones((7, 7))

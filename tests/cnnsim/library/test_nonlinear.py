@@ -28,7 +28,7 @@ GRAY = {
 
 DECIDED = [
     "gradient-threshold", "gradient-threshold-bistable", "flat-places", "gray-contour", "local-maxima",
-    "local-maxima-matcnn", "local-minima", "gray-line-30-60",
+    "local-maxima-matcnn", "local-minima", "gray-line-30-60", "gray-diagonal-nw-se", "gray-diagonal-ne-sw",
 ]  # fmt: skip
 
 
