@@ -17,7 +17,9 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 OUTER = {
     "CONVENTIONS.md": "conventions", "CHANGELOG.md": "changelog", "SECURITY.md": "security",
-    "CONTRIBUTING.md": "contributing", "templates/README.md": "template-files", "tactile/CONNECT.md": "wire-formats",
+    "CONTRIBUTING.md": "contributing", "templates/README.md": "template-files",
+    "templates/programs/README.md": "program-files", "tactile/CONNECT.md": "array-files",
+    "tactile/wire/README.md": "serial-formats",
 }  # fmt: skip
 """Pages outside of docs/ that belong to the site, and their names in docs/generated/."""
 LONG = {"program_gallery", "a_locking_element", "where_a_strain_sensor_should_sit", "how_precise_must_a_chip_be"}

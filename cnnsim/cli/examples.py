@@ -13,8 +13,9 @@ _PACKAGE = Path(__file__).parents[1]
 _CHECKOUT = _PACKAGE.parent
 FOLDERS = ("examples", "docs")
 PAGES = (
-    "README.md", "CONVENTIONS.md", "CONTRIBUTING.md", "CHANGELOG.md", "templates/README.md", "tactile/CONNECT.md",
-    "templates/programs/event-code.toml",
+    "README.md", "CONVENTIONS.md", "CONTRIBUTING.md", "CHANGELOG.md", "templates/README.md",
+    "templates/programs/README.md", "templates/programs/event-code.toml", "tactile/CONNECT.md",
+    "tactile/wire/README.md",
 )  # fmt: skip
 """The README and the files to which it links."""
 _SKIPPED = {"__pycache__"}

@@ -39,7 +39,7 @@ output = [
 """
 
 PROGRAM = """# A program: names its memories, and lists its steps.
-# As it stands: the rim of black objects, and how many pixels it has. templates/README.md has all kinds of step.
+# As it stands: the rim of black objects, and how many pixels it has. templates/programs/README.md lists the steps.
 name = {name}
 summary = "The rim of black objects: the pixels that an erosion takes away."
 reference = "where it comes from"

@@ -88,7 +88,7 @@ quantity = "strain"         # strain, stress or force: what the readings are aft
 
 DETECTOR = """\
 # A detector: steps on the planes of one finger, frame by frame, and what its outputs mean. tactile planes names the
-# planes; templates/README.md has the steps. Run it: tactile run SCENE.toml --program NAME.toml
+# planes; templates/programs/README.md has the steps. Run it: tactile run SCENE.toml --program NAME.toml
 
 name    = "NAME"
 summary = "At least three neighbouring taxels are pressed."

@@ -19,7 +19,7 @@ from click.testing import CliRunner
 from cnnsim.cli.group import main as cnnsim
 from tactile.cli.group import main as tactile
 from tests.kits.own_files import write_own_files
-from tests.kits.paths import ROOT
+from tests.kits.paths import FILE_PAGES, ROOT
 from tests.kits.processes import command_line, ended
 
 GROUPS = {"cnnsim": cnnsim, "tactile": tactile}
@@ -53,8 +53,8 @@ DOCS = [
     path.relative_to(ROOT).as_posix()
     for path in (*sorted(ROOT.glob("docs/*.md")), *sorted(ROOT.glob("docs/how-to/*.md")))
 ]
-ALL_PAGES = ["README.md", "CONTRIBUTING.md", "CONVENTIONS.md", "SECURITY.md", "templates/README.md",
-             "tactile/CONNECT.md", *DOCS]  # fmt: skip
+ALL_PAGES = ["README.md", "CONTRIBUTING.md", "CONVENTIONS.md", "SECURITY.md",
+             *(page.relative_to(ROOT).as_posix() for page in FILE_PAGES), *DOCS]  # fmt: skip
 PAGES = {page: lines for page in ALL_PAGES if (lines := commands(ROOT / page))}
 HELP = {f"{group} {name}": epilog(group, name) for group, main in GROUPS.items() for name in main.commands}
 LINES = list(

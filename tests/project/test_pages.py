@@ -20,12 +20,12 @@ from tactile.cli.group import main as tactile
 from tactile.output.event_data import EventData
 from tactile.output.publish import Publisher
 from tactile.output.stream_frame import frame_data
-from tests.kits.paths import ROOT, SCENES
+from tests.kits.paths import FILE_PAGES, ROOT, SCENES
 
 SITE = [ROOT / "docs", *(ROOT / "docs" / name for name in ("tutorials", "how-to", "reference", "explanation"))]
 PAGES = [
     *sorted(ROOT.glob("*.md")), *(page for folder in SITE for page in sorted(folder.glob("*.md"))),
-    ROOT / "templates" / "README.md", ROOT / "tactile" / "CONNECT.md",
+    *FILE_PAGES,
 ]  # fmt: skip
 MODULES = sorted(path for folder in ("cnnsim", "tactile", "tests") for path in (ROOT / folder).rglob("*.py"))
 ENTRY_POINTS = {"cnnsim.cellwise"}

@@ -1,4 +1,4 @@
-"""templates/README.md describes all keys of template and program files, no others, and its examples run."""
+"""The pages on template and program files describe all keys, no others, and their examples run."""
 
 import re
 import tomllib
@@ -14,9 +14,9 @@ from cnnsim.operations.cellwise import BUILT_IN
 from cnnsim.operations.global_wire import Wire
 from cnnsim.operations.logic import FUNCTIONS
 from cnnsim.program.program import ARITHMETIC
-from tests.kits.paths import ROOT
+from tests.kits.paths import FILE_PAGES
 
-PAGE = (ROOT / "templates" / "README.md").read_text(encoding="utf-8")
+PAGE = "\n".join(page.read_text(encoding="utf-8") for page in FILE_PAGES[:2])
 FILES = {tomllib.loads(text)["name"]: text for text in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)}
 TEMPLATE = """
 name = "x"
@@ -34,7 +34,7 @@ VALUES = {"fill": "1", "repeat": "1", "until_unchanged": '"a"', "when": '"w"'}
 
 def _keys(heading: str) -> set[str]:
     """The keys in the first column of the table under a heading (or other line that begins so)."""
-    (after,) = re.findall(rf"^{re.escape(heading)}\n(.*?)(?=^##|\Z)", PAGE, re.DOTALL | re.MULTILINE)
+    (after,) = re.findall(rf"^{re.escape(heading)}\n(.*?)(?=^#|\Z)", PAGE, re.DOTALL | re.MULTILINE)
     table = re.search(r"^\| key .*?\n\n", after + "\n", re.DOTALL | re.MULTILINE)
     assert table is not None
     return {key for row in table[0].strip().splitlines() for key in re.findall(r"`(\w+)`", row.split("|")[1])}
@@ -59,7 +59,7 @@ def _known(message: str) -> set[str]:
         ("### Terms", PLAIN + '[[term]]\n"%" = 1'),
         ("### Layers", TEMPLATE + '[[layer]]\n"%" = 1'),
         ("### Examples", PLAIN + '[[example]]\n"%" = 1'),
-        ("## A program", '"%" = 1\ninputs = []'),
+        ("# Program files", '"%" = 1\ninputs = []'),
         ("Templates defined in the program:", PROGRAM + '[templates.t]\n"%" = 1\n[[step]]\nfill = 1'),
     ],
 )
@@ -114,5 +114,5 @@ def test_the_programs_on_the_page_run(folder: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(folder)
     (code,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     names: dict[str, Any] = {}
-    exec(compile(code, "templates/README.md", "exec"), names)
+    exec(compile(code, "templates/programs/README.md", "exec"), names)
     assert names["result"]["rounds"] == 3
