@@ -100,11 +100,11 @@ def test_run_program_says_which_inputs_it_wants() -> None:
         cnnsim.run_program("openning", picture=SQUARE)
 
 
-@pytest.mark.parametrize("name", library.names())
-def test_every_template_is_explained(name: str) -> None:
-    lines = str(cnnsim.explain(name)).splitlines()
-    assert len(lines) >= 2
-    assert lines[-1].startswith("guaranteed time ")
+def test_every_template_is_explained() -> None:
+    for name in library.names():
+        lines = str(cnnsim.explain(name)).splitlines()
+        assert len(lines) >= 2, name
+        assert lines[-1].startswith("guaranteed time "), name
 
 
 def test_a_shape_and_a_picture_of_it_are_explained_alike() -> None:

@@ -45,31 +45,22 @@ def _commands() -> list[str]:
     return sorted({line for line in lines if line.split(" ")[0] in GROUPS})
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_somewhere(page: Path) -> None:
-    text = page.read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#:]+)\)", text):
-        if "generated" not in target:  # those are pages of the site, which tests/project/test_site.py checks
-            assert (page.parent / target).exists(), target
-    for anchor in re.findall(r"\]\(#([^)]+)\)", text):
-        title = anchor.replace("-", "[ -]")  # a space of the title is a hyphen of the link
-        assert re.search(rf"^#+ {title}$", text, re.MULTILINE | re.IGNORECASE), anchor
+def test_links_lead_somewhere() -> None:
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^)#:]+)\)", text):
+            if "generated" not in target:  # those are pages of the site, which tests/project/test_site.py checks
+                assert (page.parent / target).exists(), f"{page.name}: {target}"
+        for anchor in re.findall(r"\]\(#([^)]+)\)", text):
+            title = anchor.replace("-", "[ -]")  # a space of the title is a hyphen of the link
+            assert re.search(rf"^#+ {title}$", text, re.MULTILINE | re.IGNORECASE), f"{page.name}: {anchor}"
 
 
-@pytest.mark.parametrize("name", ["CONTRIBUTING.md"])
-def test_paths_in_tables_are_there(name: str) -> None:
-    rows = [row for row in (ROOT / name).read_text(encoding="utf-8").splitlines() if row.startswith("| ")]
-    paths = [path for row in rows for path in re.findall(r"`((?:cnnsim|tactile|templates|tests)/[\w./]*)`", row)]
-    assert len(paths) > 10
-    for path in paths:
-        assert (ROOT / path).exists(), path
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_paths_that_a_page_names_are_there(page: Path) -> None:
+def test_paths_that_a_page_names_are_there() -> None:
     named = r"(?<![\w/.-])((?:cnnsim|tactile|templates|tests|docs|examples)/[\w./-]*\w)"
-    for path in re.findall(named, page.read_text(encoding="utf-8")):
-        assert (ROOT / path).exists(), path
+    for page in PAGES:
+        for path in re.findall(named, page.read_text(encoding="utf-8")):
+            assert (ROOT / path).exists(), f"{page.name}: {path}"
 
 
 def _is_there(name: str) -> bool:
@@ -165,15 +156,14 @@ def test_the_python_of_the_page_on_exports_reads_a_learning_set(
     assert "first slip at" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("line", _commands())
-def test_commands_are_understood(line: str) -> None:
+def test_commands_are_understood() -> None:
     """Their names, arguments and options are; they are not run."""
-    name, *arguments = shlex.split(line)
-    group = GROUPS[name]
-    position = next(i for i, argument in enumerate(arguments) if argument in group.commands)
-    with group.make_context(name, list(arguments)) as outer:
-        command = group.commands[arguments[position]]
-        assert command.make_context(command.name, arguments[position + 1 :], parent=outer)
+    for name, *arguments in map(shlex.split, _commands()):
+        group = GROUPS[name]
+        position = next(i for i, argument in enumerate(arguments) if argument in group.commands)
+        with group.make_context(name, list(arguments)) as outer:
+            command = group.commands[arguments[position]]
+            assert command.make_context(command.name, arguments[position + 1 :], parent=outer), arguments
 
 
 def test_the_picture_of_the_readme_is_what_the_main_job_draws(tmp_path: Path) -> None:

@@ -69,8 +69,8 @@ def test_packing_logic_and_counting(backend: Backend, shape: tuple[int, ...], se
         np.testing.assert_array_equal(backend.count(got), REFERENCE.count(want))  # no stray bits beyond the last column
 
 
-@pytest.mark.parametrize("shape", [(3, 64), (2, 5, 200), (4, 63), (7, 129)])
-@pytest.mark.parametrize("dtype", ["bool", "int8", "uint8", "int64", "float32", "float64"])
+@pytest.mark.parametrize("shape", [(3, 64), (2, 5, 200), (7, 129)])
+@pytest.mark.parametrize("dtype", ["bool", "int8", "float32", "float64"])
 def test_numbers_of_any_kind_are_black_above_zero(backend: Backend, dtype: Any, shape: tuple[int, ...]) -> None:
     rng = np.random.default_rng(9)
     numbers = (rng.integers(0 if dtype in ("bool", "uint8") else -3, 4, shape) // 2).astype(dtype)

@@ -6,22 +6,24 @@ import pytest
 from cnnsim import Template, Term, library, run
 from cnnsim.backends.base import Backend, check_area
 from cnnsim.task import make_task
-from tests.kits.backends import REFERENCE
+from tests.kits.backends import COMPILING, REFERENCE
 
 NAMES = ["hole-filler", "recall", "shadow-left", "connectivity", "small-object-remover", "edge", "corner"]
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("shape", [(1, 1), (1, 17), (9, 1), (16, 16), (40, 33), (40, 70)], ids=str)
-def test_settled_pictures_and_their_times(backend: Backend, name: str, shape: tuple[int, int]) -> None:
-    rng = np.random.default_rng(shape[1])
-    picture = np.where(rng.random(shape) < 0.5, 1.0, -1.0)
-    marker = np.where(rng.random(shape) < 0.1, picture, -1.0) if library.load(name).initial_state == "given" else None
-    law = run(name, picture, state=marker, backend=REFERENCE)
-    ours = run(name, picture, state=marker, backend=backend)
-    assert ours.settled
-    assert ours.t == law.t
-    assert np.array_equal(np.sign(ours.y), np.sign(law.y))
+def test_settled_pictures_and_their_times(backend: Backend, name: str) -> None:
+    shapes = [(16, 16), (40, 70)] if backend.name in COMPILING else [(1, 1), (1, 17), (9, 1), (16, 16), (40, 70)]
+    for shape in shapes:
+        rng = np.random.default_rng(shape[1])
+        picture = np.where(rng.random(shape) < 0.5, 1.0, -1.0)
+        given = library.load(name).initial_state == "given"
+        marker = np.where(rng.random(shape) < 0.1, picture, -1.0) if given else None
+        law = run(name, picture, state=marker, backend=REFERENCE)
+        ours = run(name, picture, state=marker, backend=backend)
+        assert ours.settled
+        assert ours.t == law.t
+        assert np.array_equal(np.sign(ours.y), np.sign(law.y)), shape
 
 
 @pytest.mark.parametrize("terms", [(), (Term(np.full((3, 3), 0.05), "x_kl"),)], ids=["linear", "terms"])

@@ -13,16 +13,15 @@ from cnnsim.network import Template, fixed
 from cnnsim.support import Diagnostics
 
 
-@pytest.mark.parametrize("name", library.names())
-def test_library_templates_are_the_same_after_export_and_import(name: str) -> None:
-    entry = library.load(name)
-    if not isinstance(entry.network, Template) or not entry.network.linear:
-        with pytest.raises(InputError, match="not linear"):
-            celnn(entry.network, "", ())
-        return
-    (imported,) = read_celnn(celnn(entry.network, entry.summary, entry.tags).encode(), Diagnostics("x"))
-    assert list(number_differences(imported.network, entry.network)) == []
-    assert (imported.name, imported.summary, imported.tags) == (entry.name, entry.summary, entry.tags)
+def test_library_templates_are_the_same_after_export_and_import() -> None:
+    for entry in map(library.load, library.names()):
+        if not isinstance(entry.network, Template) or not entry.network.linear:
+            with pytest.raises(InputError, match="not linear"):
+                celnn(entry.network, "", ())
+            continue
+        (imported,) = read_celnn(celnn(entry.network, entry.summary, entry.tags).encode(), Diagnostics("x"))
+        assert list(number_differences(imported.network, entry.network)) == []
+        assert (imported.name, imported.summary, imported.tags) == (entry.name, entry.summary, entry.tags)
 
 
 ITEM = {"name": "My Edge", "feedback": [[2]], "control": [[3]], "bias": -1.5, "description": "d", "tags": ["t"],

@@ -1,5 +1,6 @@
 """Templates and boundaries check themselves and say what they are."""
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -78,11 +79,10 @@ def _brute_pad(plane: np.ndarray, r: int, boundary: Boundary, constant: float) -
 
 
 @pytest.mark.parametrize("boundary", [ZERO_FLUX, PERIODIC, fixed(0.5), Boundary("reflecting")], ids=str)
-@pytest.mark.parametrize("shape", [(1, 1), (1, 4), (3, 2), (7, 5)])
-@pytest.mark.parametrize("r", [1, 2, 5])
-def test_virtual_cells(boundary: Boundary, shape: tuple[int, int], r: int) -> None:
-    plane = np.random.default_rng(0).normal(size=shape)
-    assert np.array_equal(pad(plane, r, boundary, 0.5), _brute_pad(plane, r, boundary, 0.5))
+def test_virtual_cells(boundary: Boundary) -> None:
+    for shape, r in itertools.product([(1, 1), (1, 4), (3, 2), (7, 5)], [1, 2, 5]):
+        plane = np.random.default_rng(0).normal(size=shape)
+        assert np.array_equal(pad(plane, r, boundary, 0.5), _brute_pad(plane, r, boundary, 0.5)), (shape, r)
 
 
 @pytest.mark.parametrize(("backend", "boundary"), [
@@ -90,12 +90,14 @@ def test_virtual_cells(boundary: Boundary, shape: tuple[int, int], r: int) -> No
       for boundary in (ZERO_FLUX, PERIODIC, fixed(-1.0, 0.25), fixed(0.5, -3.0))),
     ("reference", Boundary("reflecting")),
 ], ids=str)  # fmt: skip
-@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (6, 1), (2, 3), (9, 8)])
-@pytest.mark.parametrize(("r", "s"), [(1, 1), (5, 2), (1, 5)])
-def test_one_euler_step_is_the_equation_written_out(
-    backend: str, boundary: Boundary, shape: tuple[int, int], r: int, s: int
-) -> None:
+def test_one_euler_step_is_the_equation_written_out(backend: str, boundary: Boundary) -> None:
     """x + h (-x + A*y + B*u + z), summed cell by cell in plain loops; grids smaller than the radius included."""
+    for shape in [(1, 1), (1, 7), (6, 1), (2, 3), (9, 8)]:
+        for r, s in [(1, 1), (5, 2), (1, 5)]:
+            _check_euler_step(backend, boundary, shape, r, s)
+
+
+def _check_euler_step(backend: str, boundary: Boundary, shape: tuple[int, int], r: int, s: int) -> None:
     rng = np.random.default_rng(4)
     t = Template(rng.normal(size=(2 * r + 1,) * 2) / (2 * r + 1) ** 2, rng.normal(size=(2 * s + 1,) * 2), 0.3)
     x, u, h = rng.uniform(-2, 2, shape), rng.uniform(-1, 1, shape), 0.25

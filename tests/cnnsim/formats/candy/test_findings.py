@@ -163,23 +163,25 @@ def test_what_is_written_reads_back_the_same(tem: TemFile) -> None:
     assert not report.failed, report.lines()
 
 
-@pytest.mark.parametrize("name", library.names())
-def test_library_templates_go_through_tem_unharmed(name: str) -> None:
-    entry = library.load(name)
-    try:
-        tem = entry_to_tem(entry)
-    except InputError as error:
-        two_values = entry.boundary.y != entry.boundary.u
-        special = entry.step or entry.frame_time or isinstance(entry.initial_state, tuple) or entry.cell.characteristic
-        kind = not isinstance(entry.network, Template) or not entry.network.linear
-        assert two_values or special or kind, error  # all that a linear template can have and headers have not
-        return
-    again, report = parse(write_tem(tem))
-    assert again == tem
-    (imported,) = tem_templates(again, name, report)
-    assert report.of("warning") == report.of("error") == []
-    assert list(number_differences(imported.network, entry.network)) == []
-    assert (imported.name, imported.summary) == (entry.name, entry.summary)
-    assert (imported.input, imported.initial_state) == (entry.input, entry.initial_state)
-    assert (imported.boundary, imported.duration) == (entry.boundary, entry.duration)
-    assert (imported.cell.model == "discrete-time") == (entry.cell.model == "discrete-time")
+def test_library_templates_go_through_tem_unharmed() -> None:
+    for name in library.names():
+        entry = library.load(name)
+        try:
+            tem = entry_to_tem(entry)
+        except InputError as error:
+            two_values = entry.boundary.y != entry.boundary.u
+            special = (
+                entry.step or entry.frame_time or isinstance(entry.initial_state, tuple) or entry.cell.characteristic
+            )
+            kind = not isinstance(entry.network, Template) or not entry.network.linear
+            assert two_values or special or kind, error  # all that a linear template can have and headers have not
+            continue
+        again, report = parse(write_tem(tem))
+        assert again == tem
+        (imported,) = tem_templates(again, name, report)
+        assert report.of("warning") == report.of("error") == []
+        assert list(number_differences(imported.network, entry.network)) == []
+        assert (imported.name, imported.summary) == (entry.name, entry.summary)
+        assert (imported.input, imported.initial_state) == (entry.input, entry.initial_state)
+        assert (imported.boundary, imported.duration) == (entry.boundary, entry.duration)
+        assert (imported.cell.model == "discrete-time") == (entry.cell.model == "discrete-time")
