@@ -1,8 +1,8 @@
 """Which tests build OpenCL kernels with the device's optimiser; the others build them without it.
 
 The optimiser takes two thirds of the time of most kernel tests, because it runs for every template, boundary and dtype.
-Its effects (undefined behaviour, other rounding) show in tests that cover all kernels, schemes and kinds of terms, and
-in the hard cases; library templates are tested without it. Kernels that run longer than it takes are optimised, too.
+Its effects (undefined behaviour, other rounding) show in tests that cover all kernels, schemes and kinds of terms;
+library templates and hard cases are tested without it. Kernels that run longer than it takes are optimised, too.
 """
 
 from collections.abc import Mapping
@@ -11,19 +11,21 @@ OPTIMISED = {
     "backends/conformance/": ("opencl-cpu-float32",),
     "backends/opencl/": ("",),
     "backends/test_slices.py": ("heard",),
-    "hard_cases/": ("opencl-cpu-float32",),
 }
 """Tests with the optimiser: a part of their ids, and words of which the name of the test or variant has one."""
 
 HASTY = {
     "backends/conformance/test_cases.py": ("opencl",),
+    "backends/conformance/test_cellwise.py": ("opencl",),
+    "backends/conformance/test_discrete_time.py": ("batch",),
+    "backends/conformance/test_not_finite.py": ("opencl",),
+    "backends/conformance/test_programs.py": ("opencl",),
     "backends/conformance/test_recording.py": ("opencl",),
-    "backends/conformance/test_transient.py::test_hard_sizes": ("rk4",),
+    "backends/conformance/test_transient.py": ("rk4", "settle_or_not", "batch", "stay_as_they_are"),
     "backends/conformance/test_schemes.py": ("opencl",),
     "backends/conformance/test_settled.py": ("opencl",),
     "backends/opencl/test_library.py": ("gpu",),
     "backends/opencl/test_memory.py": ("",),
-    "backends/opencl/test_stages.py": ("gpu",),
     "backends/opencl/test_transient.py": ("gpu", "periodic", "fixed"),
     "backends/opencl/test_sleep.py": ("hole-filler-zero-flux", "hole-filler-periodic"),
 }

@@ -1,8 +1,5 @@
 """The number of threads is checked, and changes the time alone."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +21,6 @@ from cnnsim import (
     write_picture,
 )
 from cnnsim.backends import get
-from cnnsim.backends.cpu import planes
 from cnnsim.cli.group import main
 
 PICTURE = np.where(np.random.default_rng(0).random((90, 120)) > 0.5, 1.0, -1.0)
@@ -52,37 +48,6 @@ def test_layers_and_delays_are_the_same_on_any_number_of_threads() -> None:
     assert np.array_equal(one, ends)
     like = run_transient(layers, state=state, duration=1.0, boundary=PERIODIC, backend="reference").x
     assert np.allclose(ends, like, atol=1e-5)
-
-
-def test_waiting_threads_sleep() -> None:
-    """OpenMP prints what it has read when the first loop starts its threads."""
-    code = (
-        "import numpy as np; from cnnsim.backends.cpu.planes import clip; x = np.zeros((1, 9, 9)); clip.threaded(x, x)"
-    )
-    where = {key: value for key, value in os.environ.items() if key != "OMP_WAIT_POLICY"} | {"OMP_DISPLAY_ENV": "true"}
-    ran = subprocess.run([sys.executable, "-c", code], env=where, capture_output=True, text=True, check=True)
-    if "OPENMP DISPLAY" not in ran.stderr:
-        pytest.skip("numba's threads are not those of OpenMP")
-    assert "OMP_WAIT_POLICY = 'PASSIVE'" in ran.stderr
-
-
-def test_a_backend_works_on_its_own_number_and_leaves_that_of_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = []
-    clip = planes.clip.for_work(PICTURE.size)
-
-    class Watched:
-        @staticmethod
-        def for_work(_cells: int) -> Any:
-            seen.append(numba.get_num_threads())
-            return clip
-
-    backend = get("cpu", threads=1)
-    x = backend.load(PICTURE, "lam")
-    monkeypatch.setattr(planes, "clip", Watched)
-    before = numba.get_num_threads()
-    backend.output(x)
-    assert seen == [1]
-    assert numba.get_num_threads() == before
 
 
 @pytest.mark.parametrize("wrong", [0, -1, True, 1.5, "2", 10_000])

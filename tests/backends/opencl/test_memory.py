@@ -6,13 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim import Template, Term
-from cnnsim.backends.opencl.device.context import DeviceContext
-from cnnsim.planning.scheme import SCHEMES
+from cnnsim import Template
 from cnnsim.program.file import load_program
 from cnnsim.program.machine import UniversalMachine
 from cnnsim.task import make_task
-from tests.backends.conformance.test_schemes import THREE_EIGHTHS
 from tests.kits.opencl import OpenCLBackend, cl
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])
@@ -44,46 +41,6 @@ def test_planes_stay_on_the_device_during_a_program(tmp_path: Path, monkeypatch:
     assert ours["n"] == law["n"]
     assert np.array_equal(ours["q"], law["q"])
     assert np.allclose(ours["b"], law["b"])
-
-
-TERM = Template(NINE, NINE, terms=[Term(NINE, "y_kl - u_ij", times="x_kl")])
-CASES: dict[str, tuple[Template, dict[str, Any], int]] = {
-    "euler": (Template(NINE, NINE), {}, 5),
-    "heun": (Template(NINE, NINE), {"scheme": "heun"}, 10),
-    "rk4": (Template(NINE, NINE), {"scheme": "rk4"}, 12),
-    "full range": (Template(NINE, NINE), {"scheme": "rk4", "cell": "full-range"}, 12),
-    "keeps rates": (Template(NINE, NINE), {"scheme": "3/8"}, 16),
-    "closed form": (Template(2.0, NINE), {}, 3),
-    "terms by euler": (TERM, {"scheme": "euler"}, 9),
-    "terms by rk4": (TERM, {"scheme": "rk4"}, 12),
-    "discrete time": (Template(0.5, NINE), {"cell": "discrete-time"}, 7),
-    "delay": (Template(NINE, NINE, terms=[Term(0.1, "x_kl", delay=0.2)]), {}, 13),
-}
-
-
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
-@pytest.mark.parametrize("case", CASES)
-def test_a_transient_takes_the_planes_that_the_check_before_it_counts(
-    case: str, dtype: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """In planes of the dtype: state, input, what the steps work in, and the result."""
-    monkeypatch.setitem(SCHEMES, "3/8", THREE_EIGHTHS)
-    template, choices, wanted = CASES[case]
-    backend = OpenCLBackend(dtype)
-    x, u = np.zeros((2, 1097, 1030), dtype)
-    choices = {"step": None if case in ("closed form", "discrete time") else 0.1, "duration": 3.0, **choices}
-    task = make_task(template, state=x, input=u, **choices)
-    planes, real = 2.0, DeviceContext.buffer
-
-    def counted(self: Any, size: int) -> Any:
-        nonlocal planes
-        planes += round(size / x.nbytes)
-        return real(self, size)
-
-    monkeypatch.setattr(DeviceContext, "buffer", counted)
-    task.start(backend)
-    assert planes == wanted
-    assert task.cell_bytes(x.itemsize, "opencl") == wanted * x.itemsize
 
 
 def test_large_planes_are_not_copied_where_the_device_is_the_processor() -> None:

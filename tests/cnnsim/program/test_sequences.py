@@ -31,16 +31,16 @@ def films(draw: st.DrawFn, shape: tuple[int, int] | None = None) -> list[Planes]
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", SEQUENCES)
-@settings(max_examples=35)
+@settings(max_examples=15)
 @given(data=st.data())
 def test_sequence(backend: str, name: str, data: st.DataObject) -> None:
-    """35 films of four frames."""
+    """Films of four frames."""
     check_frames(backend, name, data.draw(films()), SEQUENCES[name])
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("shape", TINY)
-@settings(max_examples=4)
+@settings(max_examples=2)
 @given(data=st.data())
 def test_sequence_on_the_smallest_grids(backend: str, shape: tuple[int, int], data: st.DataObject) -> None:
     for name, answer in SEQUENCES.items():

@@ -12,9 +12,9 @@ from cnnsim.theory.running_time import TOLERANCE, cell_time, guaranteed_time, ti
 from cnnsim.transient import run_transient
 from tests.kits.time import final, guaranteed, pictures
 
-EXACT: dict[str, Any] = {"scheme": "rk4", "step": 0.05, "backend": "reference"}
+EXACT: dict[str, Any] = {"scheme": "rk4", "step": 0.05, "dtype": "float64"}
 
-EULER: dict[str, Any] = {"scheme": "euler", "step": 0.1, "backend": "reference"}
+EULER: dict[str, Any] = {"scheme": "euler", "step": 0.1, "dtype": "float64"}
 
 UNCOUPLED = [
     name

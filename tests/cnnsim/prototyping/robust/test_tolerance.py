@@ -89,7 +89,7 @@ def test_the_tolerated_error_is_exact(name: str) -> None:
     for row, push, a_error in itertools.product(u[weakest[:200]], (-1.0, 1.0), (-1.0, 1.0)):
         terms = push * np.sign(b * row)
         corners.append({(0,): a_error, (2,): push * float(np.sign(z)), **{(1, i): terms[i] for i in range(size)}})
-    below = [np.array_equal(colours(name, corner, 0.999 * found), right) for corner in corners[:200]]
+    below = [np.array_equal(colours(name, corner, 0.999 * found), right) for corner in corners[:60]]
     assert all(below)
     assert any(not np.array_equal(colours(name, corner, 1.001 * found), right) for corner in corners)
 
