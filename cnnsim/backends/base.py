@@ -146,32 +146,15 @@ def check_area(
 
 
 class Stepper(Protocol):
-    """Steps of one transient on a backend; `driver.run` decides when to take and check them.
+    """Steps of one transient on a backend; the time loop (`driver`) decides when to take and check them.
 
     ``work`` estimates the weighted neighbours summed in one step; steps are best taken in multiples of ``together``.
     ``few``: the most steps of the first slice: on a busy machine each step can wait milliseconds for its threads.
-    ``checks``: the most checks in one call of `settle`, 0 where the stepper has no `settle`.
     """
 
     work: float
     together: int = 1
     few: int = 256
-    checks: int = 0
-
-    def settle(self, step: int, count: int, *, last: bool) -> tuple[int, Check]:
-        """Take ``count`` steps with their checks, or those until the network has settled.
-
-        Return the steps taken and the check at their end, or the last one before it. ``last``: check the end too.
-        """
-        self.advance(step, count)
-        return count, self.check_settled(step + count, last=last)
-
-    def start_span(self, step: int) -> None:
-        """Use the input and bias of this step from now on; does nothing if both are constant."""
-        return
-
-    def check_settled(self, step: int, *, last: bool) -> Check:
-        """Check the state before this step; if it has not settled, only the ``last`` check must give the full rate."""
 
     def advance(self, step: int, count: int) -> None:
         """Take ``count`` steps; ``step`` is the number of the first."""
@@ -182,6 +165,29 @@ class Stepper(Protocol):
 
     def finish(self) -> Plane:
         """Return the plane of the state."""
+
+
+class CheckedStepper(Stepper, Protocol):
+    """Steps that `driver.run` checks one time constant after the other."""
+
+    def start_span(self, step: int) -> None:
+        """Use the input and bias of this step from now on; does nothing if both are constant."""
+        return
+
+    def check_settled(self, step: int, *, last: bool) -> Check:
+        """Check the state before this step; if it has not settled, only the ``last`` check must give the full rate."""
+
+
+class SettlingStepper(Stepper, Protocol):
+    """Steps with checks among them, for `driver.run_with_checks`; ``checks``: the most checks in one call."""
+
+    checks: int
+
+    def settle(self, step: int, count: int, *, last: bool) -> tuple[int, Check]:
+        """Take ``count`` steps with their checks, or those until the network has settled.
+
+        Return the steps taken and the check at their end, or the last one before it. ``last``: check the end too.
+        """
 
 
 def parse_dtype(dtype: DTypeLike) -> np.dtype[Any]:

@@ -6,12 +6,12 @@ Euler steps of a linear template on the CPU have this loop compiled: see `cnnsim
 import math
 from collections.abc import Iterable
 
-from cnnsim.backends.base import Outcome, Stepper
+from cnnsim.backends.base import Check, CheckedStepper, Outcome, SettlingStepper
 from cnnsim.backends.slices import Pace
 from cnnsim.planning.plan import Plan
 
 
-def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = None) -> Outcome:
+def run(plan: Plan, stepper: CheckedStepper, spans: Iterable[tuple[int, int]] | None = None) -> Outcome:
     """Run a transient to its end.
 
     For ``"settled"`` the state is checked before the first step, once a time constant, and at the limit. Discrete time
@@ -20,8 +20,6 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
     Arguments: ``spans`` are (first step, steps) in which input and bias are constant, None for one span.
     """
     settling, every = plan.duration == "settled", plan.check_every
-    if settling and stepper.checks:
-        return _settle(plan, stepper)
     pace, rate = Pace(plan, stepper.work, stepper.together, stepper.few), math.nan
     for first, count in [(0, plan.steps)] if spans is None else list(spans) or [(0, 0)]:
         stepper.start_span(first)
@@ -49,14 +47,22 @@ def run(plan: Plan, stepper: Stepper, spans: Iterable[tuple[int, int]] | None = 
     return Outcome(stepper.finish(), plan.steps * plan.step, check.settled, check.rate, check.saturated)
 
 
-def _settle(plan: Plan, stepper: Stepper) -> Outcome:
-    """Run a transient to its end with a stepper that checks by itself."""
+def run_with_checks(plan: Plan, stepper: SettlingStepper) -> Outcome:
+    """Run a transient to its end with a stepper that takes steps and their checks in one call."""
+    settling, check = plan.duration == "settled", Check(math.nan)
     step, pace = 0, Pace(plan, stepper.work, stepper.together, stepper.few)
     while True:
-        count = min(plan.steps - step, pace.left, stepper.checks * plan.check_every)
-        taken, check = stepper.settle(step, count, last=step + count == plan.steps)
-        step += taken
+        count = min(plan.steps - step, pace.left)
+        if settling:
+            count = min(count, stepper.checks * plan.check_every)
+            taken, check = stepper.settle(step, count, last=step + count == plan.steps)
+            step += taken
+        else:
+            stepper.advance(step, count)
+            step += count
         if check.settled or step == plan.steps:
             pace.over()
-            return Outcome(stepper.finish(), step * plan.step, check.settled, check.rate, check.saturated)
+            t = step * plan.step if settling else float(plan.duration)
+            return Outcome(stepper.finish(), t, check.settled, check.rate, check.saturated)
+        stepper.wait()
         pace.turn(step, check.rate)

@@ -138,10 +138,13 @@ class OpenCLBackend(Backend):
                 outcome, fine = closed_form(context, plan, grid, x.buffer, u, bias, black)
             else:
                 assert plan.scheme is not None
-                w = control(context, plan, grid, u, bias)
-                by_tiles = DeviceLinearSteps if context.family == "cpu" else PatchSteps
-                steps = by_tiles if len(plan.scheme.b) == 1 else LinearStageSteps
-                outcome = driver.run(plan, steps(context, plan, grid, LinearPlanes(x.buffer, w, black)))
+                planes = LinearPlanes(x.buffer, control(context, plan, grid, u, bias), black)
+                if len(plan.scheme.b) > 1:
+                    outcome = driver.run(plan, LinearStageSteps(context, plan, grid, planes))
+                elif context.family == "cpu":
+                    outcome = driver.run(plan, DeviceLinearSteps(context, plan, grid, planes))
+                else:
+                    outcome = driver.run_with_checks(plan, PatchSteps(context, plan, grid, planes))
             state = x if outcome.x is x.buffer else DevicePlane(outcome.x, x.shape, "lam")  # no step was taken, or some
             if plan.method != "closed form":
                 parts = launch(context, "finite", grid.cells, state.buffer, context.partial, np.int64(grid.cells))

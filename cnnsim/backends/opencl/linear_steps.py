@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 
+from cnnsim.backends.base import CheckedStepper
 from cnnsim.backends.opencl.device.build import Defines, cell_defines, literal, tap_defines
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
-from cnnsim.backends.opencl.settled import CheckedSteps
+from cnnsim.backends.opencl.settled import StripeChecks
 from cnnsim.backends.opencl.tiles import cut
 from cnnsim.planning.plan import Plan
 
@@ -15,7 +16,7 @@ ASLEEP, COASTING, AWAKE = range(3)
 """What a tile does in a launch, as in sleep.cl."""
 
 
-class DeviceLinearSteps(CheckedSteps):
+class DeviceLinearSteps(StripeChecks, CheckedStepper):
     """Steps x += gain (A*y + w - x) from a state that is not overwritten; launches write to two planes alternately.
 
     With the saving "sleep" it skips tiles in which no output can change (see sleep.cl). The first two launches
@@ -61,6 +62,14 @@ class DeviceLinearSteps(CheckedSteps):
             )  # fmt: skip
         self._x = self._planes[turn]
         self._launches, self._last_steps = self._launches + 1, steps
+
+    def wait(self) -> None:
+        """See `Stepper.wait`."""
+        self._context.wait()
+
+    def finish(self) -> Buffer:
+        """See `Stepper.finish`."""
+        return self._x
 
 
 def _fewer_loads(context: DeviceContext, plan: Plan) -> Defines:

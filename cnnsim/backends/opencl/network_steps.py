@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.base import Check, CheckedStepper
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.network_planes import Neighbours, NetworkPlanes, NetworkTask, of_taps, of_terms
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
@@ -14,7 +14,7 @@ from cnnsim.planning.general import delays_of
 from cnnsim.planning.plan import Plan
 
 
-class _PaddedSteps(Stepper):
+class _PaddedSteps(CheckedStepper):
     """Steps in padded planes: a launch a stage, or for small grids one launch for many steps."""
 
     _task = NetworkTask.STEP
@@ -58,7 +58,7 @@ class LinearStageSteps(_PaddedSteps):
         super().__init__(context, plan, grid, planes, given.x)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
+        """See `CheckedStepper.check_settled`."""
         rate, unsaturated = self._planes.measure(NetworkTask.CHECK, self._neighbours, step)
         return Check(rate, self._plan.saturation_ends and not unsaturated)
 
@@ -89,7 +89,7 @@ class NetworkSteps(_PaddedSteps):
         return spans(self._plan.steps, self._plan.step, delays_of(self._network), self._u, self._bias)
 
     def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`."""
+        """See `CheckedStepper.start_span`."""
         planes, plan = self._planes, self._plan
         for number, delay in enumerate(self._delays):
             planes.padded.pad(at_step(self._u, step - delay, plan.step), planes.u, number, plan.boundary.u)
@@ -97,7 +97,7 @@ class NetworkSteps(_PaddedSteps):
         planes.do(NetworkTask.DRIVE, self._drive)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
+        """See `CheckedStepper.check_settled`."""
         return Check(self._planes.measure(NetworkTask.CHECK, self._neighbours, step)[0])
 
 
@@ -108,7 +108,7 @@ class DeviceDiscreteSteps(NetworkSteps):
     _checked = -1  # the step that a check has taken already
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """Take the step and measure the change; see `Stepper.check_settled`."""
+        """Take the step and measure the change; see `CheckedStepper.check_settled`."""
         change, differs = self._planes.measure(NetworkTask.CHECK_DISCRETE, self._neighbours, step)
         self._checked = step
         return Check(change, repeats=step > 0 and not differs)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.base import Check, SettlingStepper
 from cnnsim.backends.opencl.device.build import cell_defines, literal, tap_defines
 from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
 from cnnsim.backends.opencl.device.devices import family_of
@@ -73,7 +73,7 @@ def choose_patch(context: DeviceContext, plan: Plan, grid: DeviceGrid, radius: i
     return patch
 
 
-class PatchSteps(Stepper):
+class PatchSteps(SettlingStepper):
     """Steps from a state that is not overwritten; launches write to two planes alternately.
 
     A grid that fits a work-group takes all steps of a slice in one launch; larger ones a few steps a launch.
@@ -123,7 +123,7 @@ class PatchSteps(Stepper):
             count -= now
 
     def settle(self, step: int, count: int, *, last: bool) -> tuple[int, Check]:
-        """See `Stepper.settle`."""
+        """See `SettlingStepper.settle`."""
         context, every = self._context, self._plan.check_every
         phase = -step % every
         flags = _Flag.SATURATION_ENDS if self._plan.saturation_ends else _Flag(0)
@@ -179,10 +179,6 @@ class PatchSteps(Stepper):
                 *self._numbers, *numbers,
             )  # fmt: skip
         self._x = out
-
-    def check_settled(self, step: int, *, last: bool) -> Check:
-        """Not called: `settle` checks."""
-        raise NotImplementedError
 
     def wait(self) -> None:
         """See `Stepper.wait`."""

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.base import Check
 from cnnsim.backends.opencl.control import tap_arguments
 from cnnsim.backends.opencl.device.build import boundary_defines, cell_defines
-from cnnsim.backends.opencl.device.context import Buffer, DeviceContext
+from cnnsim.backends.opencl.device.context import DeviceContext
 from cnnsim.backends.opencl.planes import DeviceGrid, LinearPlanes
 from cnnsim.planning.plan import SETTLED_RATE, Plan
 
@@ -16,8 +16,8 @@ STRIPES, STRIPE_CELLS = 16, 16_384
 """The most stripes in a check (a stripe is a range of rows), and the fewest cells in a stripe."""
 
 
-class CheckedSteps(Stepper):
-    """Steps that are checked stripe by stripe, until a stripe shows that the network has not settled.
+class StripeChecks:
+    """Checks of a state stripe by stripe, until a stripe shows that the network has not settled.
 
     The next check begins at that stripe, because its cells probably still change.
     """
@@ -27,7 +27,8 @@ class CheckedSteps(Stepper):
         self._x, self._w, self._mask = planes
         stripes = max(1, min(STRIPES, grid.cells // STRIPE_CELLS))
         self._ends = [grid.lines * stripe // stripes for stripe in range(stripes + 1)]
-        self._stripe, self.work = 0, grid.cells * len(plan.feedback_taps)
+        self._stripe = 0
+        self.work: float = grid.cells * len(plan.feedback_taps)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
         """Check the state; the rate is the largest of the stripes checked. The ``last`` check reads all stripes."""
@@ -56,15 +57,3 @@ class CheckedSteps(Stepper):
         )  # fmt: skip
         rate, unsaturated = context.parts(2 * parts, context.dtype).reshape(-1, 2).max(axis=0).tolist()
         return rate, bool(unsaturated)
-
-    def advance(self, step: int, count: int) -> None:
-        """See `Stepper.advance`; a check alone takes no steps."""
-        raise NotImplementedError
-
-    def wait(self) -> None:
-        """See `Stepper.wait`."""
-        self._context.wait()
-
-    def finish(self) -> Buffer:
-        """See `Stepper.finish`."""
-        return self._x

@@ -4,12 +4,12 @@ from collections import deque
 
 import numpy as np
 
-from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.base import Check, CheckedStepper
 from cnnsim.backends.reference.terms import ReferenceNetwork
 from cnnsim.support import Array
 
 
-class ReferenceTermSteps(Stepper):
+class ReferenceTermSteps(CheckedStepper):
     """Steps of dx/dt = (drive - x) / T; in the full-range model every stage ends within +-1."""
 
     def __init__(self, network: ReferenceNetwork) -> None:
@@ -22,7 +22,7 @@ class ReferenceTermSteps(Stepper):
         self._gains = np.array(gains).reshape(network.rates.shape)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
+        """See `CheckedStepper.check_settled`."""
         x = self._x
         rate = (self._network.drive(x, step) - x) * self._network.rates
         if self._limited:
@@ -49,7 +49,7 @@ class ReferenceTermSteps(Stepper):
         return self._x
 
 
-class ReferenceDiscreteSteps(Stepper):
+class ReferenceDiscreteSteps(CheckedStepper):
     """Steps of y(k + 1) = f(drive); where f is the sign, a drive of 0 keeps the output."""
 
     def __init__(self, network: ReferenceNetwork) -> None:
@@ -59,7 +59,7 @@ class ReferenceDiscreteSteps(Stepper):
         network.past = deque([self._y], maxlen=network.past.maxlen)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
+        """See `CheckedStepper.check_settled`."""
         after = self._after(step)
         return Check(self._network.largest(after - self._y), repeats=step > 0 and np.array_equal(after, self._before))
 

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from cnnsim.backends.base import Check, Outcome, Stepper
+from cnnsim.backends.base import Check, CheckedStepper, Outcome
 from cnnsim.network.boundary import correlate
 from cnnsim.network.cell import output, rate, uncoupled_state
 from cnnsim.planning.plan import Plan
 from cnnsim.support import Array
 
 
-class ReferenceLinearSteps(Stepper):
+class ReferenceLinearSteps(CheckedStepper):
     """Steps of a linear template; in the full-range model every stage ends within +-1."""
 
     def __init__(self, plan: Plan, x: Array, w: Array, free: Array) -> None:
@@ -24,7 +24,7 @@ class ReferenceLinearSteps(Stepper):
         return correlate(output(x), self._plan.feedback_taps, self._plan.boundary, self._plan.boundary.y, self._w)
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
+        """See `CheckedStepper.check_settled`."""
         return check(self._plan, self._x, self.drive(self._x), self._free)
 
     def advance(self, step: int, count: int) -> None:

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import numba
 import numpy as np
 
-from cnnsim.backends.base import Check, Stepper
+from cnnsim.backends.base import Check, CheckedStepper
 from cnnsim.backends.codes import TaskCode
 from cnnsim.backends.cpu.tiles.term_tiles import TermTiles
 from cnnsim.backends.term_table import characteristic, longest_delay, table_of, tabulate
@@ -139,14 +139,14 @@ def _planes(value: Any, shape: tuple[int, ...]) -> Any:
     return value.map(lambda plane: plane.reshape(shape)) if isinstance(value, Frames) else value.reshape(shape)
 
 
-class _NetworkSteps(Stepper):
+class _NetworkSteps(CheckedStepper):
     """Steps of a network."""
 
     def __init__(self, network: Network) -> None:
         self._network, self.together, self.work = network, network.depth, network.work
 
     def start_span(self, step: int) -> None:
-        """See `Stepper.start_span`."""
+        """See `CheckedStepper.start_span`."""
         self._network.start_span(step)
 
 
@@ -160,7 +160,7 @@ class TermSteps(_NetworkSteps):
         self._freezes = network.plan.method == "stepped" and network.plan.saturation_ends
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
+        """See `CheckedStepper.check_settled`."""
         *largest, _, unsaturated = self._network.do(TaskCode.CHECK)
         return Check(float(max(largest * self._network.rates)), self._freezes and not unsaturated)
 
@@ -189,7 +189,7 @@ class DiscreteSteps(_NetworkSteps):
         network.start = y
 
     def check_settled(self, step: int, *, last: bool) -> Check:
-        """See `Stepper.check_settled`."""
+        """See `CheckedStepper.check_settled`."""
         *largest, differs, _ = self._network.do(TaskCode.DISCRETE)
         self._checked = True
         return Check(float(max(largest)), repeats=step > 0 and not differs)
