@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.benchmarks.accuracy import bump, effects, halfspace, inverse, library_signs, touch, transients
+from tests.benchmarks.accuracy import bump, effects, halfspace, inverse, library_signs, transients
 from tests.benchmarks.accuracy.page import write_page
 from tests.benchmarks.accuracy.section import Section
 
@@ -22,7 +22,7 @@ def main() -> None:
     sections: dict[str, Callable[[], Section]] = {
         "transients": lambda: transients.section(given.cases), "library": library_signs.section,
         "halfspace": halfspace.section, "bump": bump.section, "inverse": inverse.section,
-        "effects": lambda: effects.section(given.scenes), "touch": touch.section,
+        "effects": lambda: effects.section(given.scenes),
     }  # fmt: skip
     measured = [sections[stem]() for stem in given.only or sections]
     write_page(measured, given.output, order=list(sections))

@@ -65,14 +65,14 @@ def test_a_one_sided_template_is_not_held_to_the_limit_of_its_torus() -> None:
 
 
 @pytest.mark.parametrize("a", [-2.0, 0.0, 0.5, 1.0, 1 + 1e-7, 2.0, 3.0])
-@pytest.mark.parametrize("t", [0.0, 0.3, 2.0, 6.0])
+@pytest.mark.parametrize("t", [0.0, 0.3, 6.0])
 def test_closed_form_is_the_integral(a: float, t: float) -> None:
     """Cell by cell against DOP853 restarted at each kink, which is where its error estimate would fail."""
     rng = np.random.default_rng(3)
-    x0, s = rng.uniform(-4, 4, 40), rng.uniform(-4, 4, 40)
+    x0, s = rng.uniform(-4, 4, 12), rng.uniform(-4, 4, 12)
     ours = uncoupled_state(x0, s, a, t, "chua-yang")
     kick = 2e-9 * np.exp(max(0.0, (a - 1) * t))  # the oracle steps 1e-9 over each kink, and a > 1 lets that grow
-    for i in range(40):
+    for i in range(12):
         assert ours[i] == pytest.approx(_integrated(x0[i], s[i], a, t), abs=1e-8 + kick)
 
 
@@ -104,7 +104,7 @@ def test_closed_form_is_what_stepping_tends_to(cell: str, a: float, backend: str
     task = {"state": x, "input": u, "duration": 3.0, "cell": cell, "backend": backend, "dtype": "float64"}
     exact = run_transient(t, **task)  # type: ignore[arg-type]  # a dict of mixed values
     assert exact.plan.method == "closed form"
-    stepped = run_transient(t, **task, scheme="rk4", step=0.001)  # type: ignore[arg-type]  # the same
+    stepped = run_transient(t, **task, scheme="rk4", step=0.005)  # type: ignore[arg-type]  # the same
     assert np.abs(exact.x - stepped.x).max() < 3e-3 * (1 + np.exp((a - 1) * 3))
     assert np.abs(exact.y - stepped.y).max() < 2e-3 * (1 + np.exp((a - 1) * 3))
 

@@ -47,11 +47,6 @@ def by_machine(picture: Any) -> Any:
 DOORS: list[Callable[[Any], Any]] = [lambda p: run("edge", p).y, by_transient, by_state, by_machine]
 
 
-@pytest.mark.parametrize("door", DOORS)
-def test_booleans_are_black_and_white(door: Callable[[Any], Any]) -> None:
-    assert np.array_equal(door(SQUARE), door(np.where(SQUARE, 1.0, -1.0)))
-
-
 def test_the_edge_of_a_boolean_square() -> None:
     assert int((run("edge", SQUARE).y > 0).sum()) == 16
 
