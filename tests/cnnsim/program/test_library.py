@@ -77,7 +77,7 @@ def test_a_file_says_what_a_user_needs(path: Path) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", CASES)
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_program(backend: str, name: str, data: st.DataObject) -> None:
     kinds, answer = CASES[name]
