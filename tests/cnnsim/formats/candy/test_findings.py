@@ -1,7 +1,7 @@
 """.tem files: what is wrong or odd has its line; headers to settings; what is written reads back."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cnnsim import InputError, library
@@ -156,6 +156,7 @@ def tem_files(draw: st.DrawFn) -> TemFile:
     return TemFile(sections, headers, comments, (1, 7) if len(sections) > 1 else None)
 
 
+@settings(max_examples=40)
 @given(tem_files())
 def test_what_is_written_reads_back_the_same(tem: TemFile) -> None:
     again, report = parse(write_tem(tem))
