@@ -1,5 +1,5 @@
 # Everything happens in an environment of its own. constraints.txt has the versions; of those `make lock` makes run.lock,
-# test.lock, docs.lock and bench.lock with the hashes of their files, and what has another hash is not installed.
+# test.lock and bench.lock with the hashes of their files, and what has another hash is not installed.
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
@@ -8,7 +8,7 @@ PIP    := PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet -
 LOCKED := $(PIP) --require-hashes -r
 ITSELF := $(PIP) --no-deps --no-build-isolation -e .
 EXTRAS := --extra opencl --extra serial --extra tables --extra fem --extra video --extra texture --extra scale \
-	--extra studio --extra notebook
+	--extra studio --extra notebook --extra docs
 COMPILE = printf 'pip\nhatchling\neditables\n' | uv pip compile pyproject.toml - -c constraints.txt --universal \
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --quiet
 SCENE  ?= examples/scenes/grip.toml
@@ -68,7 +68,7 @@ hard-cases: $(VENV)/.test   ## exact answers of hard cases against ours and the 
 scaling: $(VENV)/.test      ## arrays of taxels, grids on the disk, plans on paper: docs/scaling.md; short: make scaling SCALING=--short
 	$(BIN)/python -m tests.benchmarks.scaling $(SCALING) -o docs
 
-docs: $(VENV)/.docs          ## the site, into out/site/index.html
+docs: $(VENV)/.test          ## the site, into out/site/index.html
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/site
 	@echo "-> out/site/index.html"
 
@@ -96,12 +96,7 @@ $(VENV)/.bench: $(VENV)/.test bench.lock    # with the peers: gigabytes
 	$(LOCKED) bench.lock
 	touch $@
 
-$(VENV)/.docs: $(VENV)/.test docs.lock
-	$(LOCKED) docs.lock
-	touch $@
-
 lock:                        ## after a change of constraints.txt or pyproject.toml; wants uv
 	$(COMPILE) -o run.lock
 	$(COMPILE) $(EXTRAS) --extra test -o test.lock
 	$(COMPILE) $(EXTRAS) --extra test --extra bench -o bench.lock
-	$(COMPILE) $(EXTRAS) --extra test --extra docs -o docs.lock

@@ -7,7 +7,7 @@ import pytest
 
 from tests.kits.paths import ROOT
 
-LOCKS = ["run.lock", "test.lock", "docs.lock", "bench.lock"]
+LOCKS = ["run.lock", "test.lock", "bench.lock"]
 PIN = re.compile(r"^([A-Za-z0-9_.-]+)==(\S+)", re.MULTILINE)
 
 
@@ -34,9 +34,8 @@ def test_the_locks_have_all_that_the_project_wants() -> None:
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
     assert wanted() | tools <= pins("run.lock").keys()
     locked = extras.keys() - VIEWERS
-    assert wanted(*(locked - {"bench", "docs"})) | tools <= pins("test.lock").keys()
-    assert wanted(*(locked - {"docs"})) | tools <= pins("bench.lock").keys()
-    assert wanted(*(locked - {"bench"})) | tools <= pins("docs.lock").keys()
+    assert wanted(*(locked - {"bench"})) | tools <= pins("test.lock").keys()
+    assert wanted(*locked) | tools <= pins("bench.lock").keys()
     named = re.findall(r"--extra (\w+)", (ROOT / "Makefile").read_text(encoding="utf-8"))
     assert set(named) == locked
 

@@ -1,7 +1,8 @@
-"""The site: generated pages, links to them, and tutorials whose code, files and commands are executed in order."""
+"""The site: a build without output, and tutorials whose code, files and commands are executed in order."""
 
 import re
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -15,52 +16,26 @@ from tactile.cli.group import main as tactile
 from tests.kits.paths import ROOT
 
 DOCS = ROOT / "docs"
-PAGES = [path for path in sorted(DOCS.glob("**/*.md")) if "generated" not in path.parts]
 TUTORIALS = [path for path in sorted(DOCS.glob("tutorials/*.md")) if path.stem != "index"]
 TUTORIALS.append(DOCS / "how-to" / "arrays.md")
 GROUPS = {"cnnsim": cnnsim, "tactile": tactile}
 
 
-@pytest.fixture(scope="module")
-def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with all generated pages."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(DOCS))
-        from site_pages import write_generated_pages  # type: ignore[import-not-found]  # no package
-
-        folder = tmp_path_factory.mktemp("docs") / "generated"
-        write_generated_pages(folder)
-        for name in ("site_pages", "library_pages", "notebook_pages"):
-            del sys.modules[name]
-    return folder
-
-
-def test_each_template_has_a_page_with_pictures_and_code(generated: Path) -> None:
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    """As `make docs`, but without output files and without running the gallery's examples."""
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-D", "plot_gallery=0", "-b", "dummy"]
+    built = subprocess.run([*command, str(DOCS), str(tmp_path)], capture_output=True, text=True, check=False)
+    assert built.returncode == 0, built.stderr
+    generated = DOCS / "generated"
     pages = {path.stem: path.read_text(encoding="utf-8") for path in (generated / "library").glob("*.md")}
     assert pages.keys() == {"index", *library.names()}
     for name in library.names():
         assert f'cnnsim.run("{name}", picture' in pages[name]
-        for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", pages[name]):
-            assert (generated / "library" / picture).is_file()
     assert "hole-filler-output.png" in pages["hole-filler"]
     assert len(list((generated / "library" / "programs").glob("*.md"))) >= 35
-
-
-def test_each_notebook_is_a_page_with_its_pictures(generated: Path) -> None:
     for notebook in sorted((ROOT / "examples" / "notebooks").glob("*.ipynb")):
         page = (generated / "notebooks" / f"{notebook.stem}.md").read_text(encoding="utf-8")
-        pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", page)
-        assert pictures
-        assert all((generated / "notebooks" / picture).is_file() for picture in pictures)
-
-
-def test_links_to_generated_pages_lead_somewhere(generated: Path) -> None:
-    count = 0
-    for page in PAGES:
-        for target in re.findall(r"\]\([^)#:]*generated/([^)#:]+)", page.read_text(encoding="utf-8")):
-            assert (generated / target).is_file(), f"{page.name}: {target}"
-            count += 1
-    assert count >= 4
+        assert re.search(r"!\[[^]]*\]\(([^)]+)\)", page)
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
