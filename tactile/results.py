@@ -16,10 +16,10 @@ from cnnsim.support.errors import InputError, shown
 from cnnsim.support.extras import need
 from cnnsim.support.keywords import spelled
 from tactile import pipeline
-from tactile.cli.opened import RunChoices, for_run
 from tactile.core.frame import TaxelArray
 from tactile.core.source import Source, with_frames
 from tactile.events.event import Event
+from tactile.opened import RunChoices, for_run
 from tactile.output.collected import Collected, Columns, ProgramOutput
 from tactile.output.event_table import COLUMNS, event_row
 from tactile.output.invalid_readings import InvalidReadings

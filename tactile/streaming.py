@@ -119,7 +119,7 @@ def stream(
 def _of_file(
     path: Path, array: str | Path | Description | None, settings: Settings | None, friction: float
 ) -> Stream:  # fmt: skip
-    from tactile.cli.opened import RunChoices, open_for_run  # slow to import
+    from tactile.opened import RunChoices, open_for_run  # slow to import
 
     layout = Path(array) if isinstance(array, str | Path) and _has_layout(Path(array)) else None
     wanted = None if array is None or layout is not None else _described(array)

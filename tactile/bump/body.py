@@ -5,14 +5,14 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
-from skfem import Basis, ElementTetP1, ElementTetP2, ElementTriP1, ElementTriP2, ElementVector
+from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector
 from skfem.mesh import Mesh
 
 from cnnsim.support import Floats, Integers
 from tactile.bump.kinematics import Kinematics
 from tactile.bump.law import Law, Mixed, stress, tangent
 
-ELEMENTS = {(2, 1): ElementTriP1, (2, 2): ElementTriP2, (3, 1): ElementTetP1, (3, 2): ElementTetP2}
+ELEMENTS = {1: ElementTriP1, 2: ElementTriP2}
 
 
 class Body:
@@ -21,15 +21,15 @@ class Body:
     A state is one vector: displacements, then pressures. Errors are of the order h^3 in the displacement and h^2 in
     strain and pressure where the solution is smooth and curved sides are curved.
 
-    Arguments: ``mesh`` of the section (x or radius, z) or of the solid; ``degree`` of the displacements.
+    Arguments: ``mesh`` of the section (x or radius, z); ``degree`` of the displacements.
 
     Source: Taylor and Hood (1973); Brezzi and Fortin, Mixed and Hybrid Finite Element Methods.
     """
 
     def __init__(self, mesh: Mesh, kinematics: Kinematics, law: Law, degree: int = 2) -> None:
         self.mesh, self.kinematics, self.law = mesh, kinematics, law
-        kind = ELEMENTS[mesh.dim(), degree]
-        self.basis = Basis(mesh, ElementVector(kind(), kinematics.components), intorder=4 if mesh.dim() == 2 else 3)
+        kind = ELEMENTS[degree]
+        self.basis = Basis(mesh, ElementVector(kind(), kinematics.components), intorder=4)
         self.size = int(self.basis.N)
         self.place = np.asarray(self.basis.doflocs)
         self.component = np.empty(self.size, np.int64)
@@ -49,7 +49,7 @@ class Body:
         )
         self.dofs: Integers = self.basis.element_dofs.T
         if law.mixed:
-            line = ELEMENTS[mesh.dim(), 1]
+            line = ELEMENTS[1]
             self.pressures = Basis(mesh, line(), quadrature=self.basis.quadrature)
             self.shapes = np.stack([np.asarray(field) for (field,) in self.pressures.basis], axis=-1)
             self.dofs = np.hstack([self.dofs, self.pressures.element_dofs.T + self.size])

@@ -1,7 +1,7 @@
-"""Kinematics: the displacement gradient in space from displacements on a section, in four geometries.
+"""Kinematics: the displacement gradient in space from displacements on a section, in three geometries.
 
 Rows of the 3 x 3 gradient are the displacement's components, columns the derivative's direction: (x, y, z) in the
-plane and the solid, (r, theta, z) of a body of revolution, where a load along x makes
+plane, (r, theta, z) of a body of revolution, where a load along x makes
 
     u_r = U(r, z) cos(theta),   u_theta = V(r, z) sin(theta),   u_z = W(r, z) cos(theta)
 
@@ -64,5 +64,3 @@ PRESSED = Kinematics(2, _pressed, 2 * np.pi, True, (0,), press=(0.0, 1.0))
 """A body of revolution under an axisymmetric load: (u_r, u_z)."""
 SHEARED = Kinematics(3, _sheared, np.pi, True, (0, 2), shift=(0.0, 2.0, 0.0))
 """A body of revolution loaded along x: (U + V, U - V, W)."""
-SOLID = Kinematics(3, lambda value, slope, r: slope, press=(0.0, 0.0, 1.0), shift=(1.0, 0.0, 0.0))
-"""The solid (x, y, z)."""

@@ -5,7 +5,6 @@ from functools import partial
 import numpy as np
 from skfem import MeshTri, MeshTri2
 
-from cnnsim.support import Floats, Integers
 from tactile.bump.shape import Shape
 from tactile.bump.triangulate import triangulate
 
@@ -38,12 +37,6 @@ def curved(mesh: MeshTri, shape: Shape) -> MeshTri2:
     fine = MeshTri2.from_mesh(mesh)
     doflocs = np.array(fine.doflocs, order="C")
     middle = mesh.p.shape[1] + np.arange(mesh.facets.shape[1])
-    onto_arc(doflocs, middle, mesh.p, mesh.facets, shape)
-    return MeshTri2(np.ascontiguousarray(doflocs), np.ascontiguousarray(fine.t))
-
-
-def onto_arc(doflocs: Floats, middle: Integers, p: Floats, edges: Integers, shape: Shape) -> None:
-    """Move the middles of edges, both ends of which lie on the arc, onto it."""
-    on = shape.curved(p.T)[edges].all(axis=0)
-    at = middle[on]
+    at = middle[shape.curved(mesh.p.T)[mesh.facets].all(axis=0)]  # of sides both ends of which lie on the arc
     doflocs[:, at] *= shape.radius / np.linalg.norm(doflocs[:, at], axis=0)
+    return MeshTri2(np.ascontiguousarray(doflocs), np.ascontiguousarray(fine.t))

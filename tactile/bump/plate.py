@@ -7,7 +7,6 @@ import numpy as np
 
 from cnnsim.support import Floats, Integers
 from tactile.bump.body import Body, solve
-from tactile.bump.kinematics import SOLID
 from tactile.bump.shape import Shape
 
 Push = Literal["press", "shift"]
@@ -33,7 +32,7 @@ class Constraint:
 def plate_constraint(body: Body, shape: Shape, push: Push, contact: float | None = None) -> Constraint:
     """Fix the bottom, free the sides, and stick the top to the plate up to ``contact`` [m], by default the shape's."""
     reach = shape.contact if contact is None else contact
-    x, z = (body.place[0], body.place[1]) if len(body.place) == 2 else (np.hypot(*body.place[:2]), body.place[2])
+    x, z = body.place
     near = 1e-9 * shape.radius
     moving = body.component >= 0
     arc = shape.curved(np.stack([np.abs(x), z], axis=-1))
@@ -43,10 +42,6 @@ def plate_constraint(body: Body, shape: Shape, push: Push, contact: float | None
         fixed |= (body.component == component) & (np.abs(x) <= near)
     if body.kinematics.axis and push == "shift":
         fixed |= (body.component == -1) & (np.abs(x) <= near)  # a pressure that goes with cos(theta) is 0 there too
-    if body.kinematics is SOLID:  # a quarter of it: mirror planes, x = 0 an antisymmetric one under a shift
-        fixed |= (body.place[1] <= near) & (body.component == 1)
-        across = (0,) if push == "press" else (1, 2, -1)
-        fixed |= (body.place[0] <= near) & np.isin(body.component, across)
     unit = body.kinematics.press if push == "press" else body.kinematics.shift
     assert unit is not None
     rigid = np.where(top, np.array([*unit, 0.0])[body.component], 0.0)
@@ -60,6 +55,5 @@ def respond(body: Body, constraint: Constraint, rest: tuple[Floats, Floats] | No
 
 
 def stiffness(body: Body, constraint: Constraint, state: Floats) -> float:
-    """Return force over displacement [N/m] of a small-strain response, times four for a quarter solid."""
-    force = constraint.force(body.at_rest @ state)
-    return 4 * force if body.kinematics is SOLID else force
+    """Return force over displacement [N/m] of a small-strain response."""
+    return constraint.force(body.at_rest @ state)

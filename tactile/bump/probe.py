@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse.linalg import splu
-from skfem import Basis, MeshTet, MeshTri
+from skfem import Basis, MeshTri
 from skfem.models.poisson import mass
 
 from cnnsim.support import Floats
@@ -12,7 +12,7 @@ from tactile.bump.body import ELEMENTS, Body
 
 
 class Probe:
-    """Points (n, 2) of the section, or (n, 3) of the solid, at which states are read.
+    """Points (n, 2) of the section at which states are read.
 
     Strains jump from element to element; they are read from the continuous quadratic field that fits them best
     in the mean square, which is more accurate than either side of a jump.
@@ -22,13 +22,11 @@ class Probe:
         self.body = body
         at = np.ascontiguousarray(np.asarray(points, dtype=np.float64).T)
         mesh, mapping = body.mesh, body.basis.mapping
-        straight = (
-            MeshTri if len(at) == 2 else MeshTet
-        )  # curved meshes have no finder; inside, they are all but straight
+        # curved meshes have no finder; inside, they are all but straight
         corners = np.ascontiguousarray(mesh.p[:, : mesh.nvertices]), np.ascontiguousarray(mesh.t)
-        self._cells = straight(*corners).element_finder()(*at)
+        self._cells = MeshTri(*corners).element_finder()(*at)
         self._local = mapping.invF(at[:, :, None], tind=self._cells)
-        self._scalar = Basis(mesh, ELEMENTS[len(at), 2](), quadrature=body.basis.quadrature)
+        self._scalar = Basis(mesh, ELEMENTS[2](), quadrature=body.basis.quadrature)
 
     def _shapes(self, basis: Basis) -> tuple[Floats, Floats]:
         """Return values (functions, ..., n) and unknowns (functions, n) of a basis at the points."""

@@ -9,11 +9,12 @@ from cnnsim import backends
 from cnnsim.support.command_files import claim
 from cnnsim.support.command_line import examples, print_json, replace_option, watched
 from cnnsim.support.terminal import echo, say
+from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import TareMode
-from tactile.cli.opened import RunChoices, gains_of, open_for_run
 from tactile.cli.options import FILE, JSON, LAYOUT, TareChoice, check_thresholds, detection
 from tactile.core.source import Source, provenance, with_frames
 from tactile.events.event import MOST_NEWTONS
+from tactile.opened import RunChoices, open_for_run
 from tactile.settings import PipelineOptions
 from tactile.sources import is_folder_of_recordings
 from tactile.wire.reading import Counts
@@ -78,7 +79,7 @@ def run(
         rows = "events" if is_folder_of_recordings(source) else "frames"
         claim(output / f"{rows}.csv", output / f"{rows}.parquet" if parquet else None)
         claim(*(output / name for name in ("events.json", "touch.png") if rows == "frames"))
-    choices = RunChoices(PipelineOptions(**chosen), tare, gains_of(gains), calibration, layout)
+    choices = RunChoices(PipelineOptions(**chosen), tare, _gains(gains), calibration, layout)
     if is_folder_of_recordings(source):
         from tactile.cli.run_folder import run_folder  # imported when used
 
@@ -148,6 +149,17 @@ def run(
         draw(collected, frames.arrays, frames.title, output / "touch.png")
         also = f", {output / 'frames.parquet'}" if parquet else ""
         echo(f"wrote {output / 'frames.csv'}, {output / 'events.json'}, {output / 'touch.png'}{also}", err=as_json)
+
+
+def _gains(text: str | None) -> Gains | None:
+    """Return the gains in a text SHEAR,NORMAL."""
+    if text is None:
+        return None
+    try:
+        shear, normal = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
+    return Gains(shear, normal)
 
 
 def _left_on_the_wire(source: Source) -> list[str]:

@@ -11,9 +11,9 @@ from cnnsim.support.command_line import print_json, watched
 from cnnsim.support.extras import need
 from cnnsim.support.terminal import echo, say, say_table
 from tactile import pipeline
-from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.core.source import provenance, with_frames
 from tactile.events.event import Event, EventLog
+from tactile.opened import Opened, RunChoices, open_for_run
 from tactile.output.event_table import TOLD, UNITS, event_row, write_events
 from tactile.output.invalid_readings import InvalidReadings
 from tactile.output.json_data import settings_data

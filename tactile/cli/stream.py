@@ -121,7 +121,8 @@ def live(
     """Run the pipeline on frames as they arrive. Typing t and Return requests a tare, t! forces
     it under load, q or Ctrl-C ends.
     """
-    from tactile.cli.port.live import LiveMonitor, LiveOptions  # the same
+    from tactile.cli.port.live import LiveMonitor  # the same
+    from tactile.live_options import LiveOptions
 
     check_thresholds(chosen)
     choices = OutputChoices(every_frame, publish, msgpack, drawable, view)

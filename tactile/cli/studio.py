@@ -61,7 +61,7 @@ def studio(
         return
     if layout is not None:
         raise click.UsageError(f"--layout is for tables of other programs, and there is no file {source}")
-    from tactile.cli.port.live import LiveOptions  # imported when used
+    from tactile.live_options import LiveOptions  # imported when used
     from tactile.studio.port_link import PortLink  # the same
 
     description = chosen_description(protocol, array)
@@ -75,7 +75,7 @@ def studio(
 
 
 def _of_file(path: Path, layout: Path | None, calibration: Path | None, chosen: dict[str, Any]) -> "Feed":
-    from tactile.cli.opened import RunChoices, open_for_run  # slow to import
+    from tactile.opened import RunChoices, open_for_run  # slow to import
     from tactile.settings import PipelineOptions  # the same
     from tactile.studio.feed import Feed  # the same
 

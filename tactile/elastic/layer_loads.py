@@ -1,16 +1,13 @@
-"""Strain and stress under point loads on a bonded layer: its share, layer minus half-space, from cached tables."""
+"""Share of a bonded layer, layer minus half-space, in the strain and stress under point loads: waves and tables."""
 
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 from scipy.special import j0, j1
 
-from cnnsim.support import Floats, InputError
-from tactile.core.loads import FORCE, PLACE, F, Q, R, X, Y
+from cnnsim.support import Floats
 from tactile.elastic.gauss import panels
-from tactile.elastic.halfspace import check_loads, point_load
 from tactile.elastic.layer import transfer
 from tactile.elastic.medium import FieldQuantity, Medium
 
@@ -20,61 +17,6 @@ POINTS = 640
 """Radii in a table, denser near the load; the spline between them is good to 1e-8 of the peak."""
 PANEL = 14.0
 """Phase of the fastest Bessel function over one panel of 16 Gauss nodes: good to 1e-10."""
-
-
-def layer_term(positions: ArrayLike, depth: float, loads: ArrayLike, thickness: float, medium: Medium) -> Floats:
-    """Return layer minus half-space under point loads.
-
-    With N(k) the difference of the transfer functions, a load P = (Q, R, F) at distance rho = |(x, y)| adds
-
-        zz: F I0[normal] - (Q x + R y) / rho I1[normal_shear]
-        xz: -F x / rho I1[shear_normal] + Q I0[(shear + across) / 2]
-            - ((2 x^2 / rho^2 - 1) Q + 2 x y / rho^2 R) I2[(shear - across) / 2]
-
-    and yz alike, where Im[N] = integral of k N(k) Jm(k rho) dk / (2 pi). The difference falls off like exp(-k (2 h -
-    z)), so the integrals are short and smooth at any depth. Far from a load the sum of both is the layer's small field.
-
-    Arguments: ``positions`` (..., 2) [m]; ``depth`` [m], at most ``thickness``; ``loads`` (..., n, 5) rows
-    (x, y, Q, R, F) [m, N]; ``thickness`` h [m], infinite for none. Returns (..., 3).
-
-    Raises:
-        InputError: as ``halfspace.point_load``, and a depth beyond the thickness.
-    """
-    at, rows = np.asarray(positions, dtype=np.float64), check_loads(loads)
-    if not thickness > 0 or depth > thickness:
-        raise InputError(f"taxels {depth} m deep in a layer of {thickness} m, a thickness of at least the depth wanted")
-    x, y = at[..., 0, None] - rows[..., X], at[..., 1, None] - rows[..., Y]
-    if np.isinf(thickness) or thickness > 1e8 * depth:  # below 1e-15 of the half-space's own field
-        return np.zeros((*x.shape[:-1], 3))
-    rho = np.hypot(x, y)
-    c, s = np.where(rho > 0, x, 1) / np.where(rho > 0, rho, 1), y / np.where(rho > 0, rho, 1)
-    unit = 1.0 if medium.quantity == "stress" else 1 / medium.modulus
-    table = layer_table(depth / thickness, medium.nu, medium.quantity)
-    near, reached = rho < REACH * thickness, np.minimum(rho / thickness / REACH, 1)
-    normal, normal_shear, shear_normal, even, odd = np.moveaxis(table(np.sqrt(reached)) * (unit / thickness**2), -1, 0)
-    q, r, f = rows[..., Q], rows[..., R], rows[..., F]
-    along = q * c + r * s
-    x_z = -f * c * shear_normal + q * even - (2 * c * along - q) * odd
-    y_z = -f * s * shear_normal + r * even - (2 * s * along - r) * odd
-    z_z = f * normal - along * normal_shear
-    added = np.stack([np.where(near, part, 0).sum(-1) for part in (x_z, y_z, z_z)], axis=-1)
-    if not near.all():
-        far = np.where(near[..., None], 0, rows[..., FORCE])
-        added -= point_load(
-            at, depth, np.concatenate([np.broadcast_to(rows[..., PLACE], (*far.shape[:-1], 2)), far], -1), medium
-        )
-    return added
-
-
-def layered_load(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
-    """Return strain or stress under point loads on the half-space, or on the layer where the medium has a thickness.
-
-    Arguments, shapes and errors: as ``halfspace.point_load`` and ``layer_term``.
-    """
-    values = point_load(positions, depth, loads, medium)
-    if np.isfinite(medium.thickness):
-        values += layer_term(positions, depth, loads, medium.thickness, medium)
-    return values
 
 
 def waves_of(depth: float, medium: Medium) -> tuple[Floats, ...]:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from cnnsim.support import InputError
 from cnnsim.support.limits import reason
 from tactile import pipeline
-from tactile.cli.opened import Opened, RunChoices, open_for_run
 from tactile.core.frame import Frame
 from tactile.core.source import FrameStream, provenance, with_frames
+from tactile.opened import Opened, RunChoices, open_for_run
 from tactile.settings import PipelineOptions
 
 if TYPE_CHECKING:

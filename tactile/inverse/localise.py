@@ -183,27 +183,3 @@ def _unread(taxels: Taxels, load: Load) -> Cells:
 def _cells(numbers: ArrayLike, cols: int) -> Cells:
     """Return the rows and columns of taxels by their numbers, in order."""
     return tuple(divmod(int(k), cols) for k in sorted(np.asarray(numbers).tolist()))
-
-
-def three_taxels(x: ArrayLike, y: ArrayLike, m: ArrayLike, depth: float) -> tuple[float, float, float]:
-    """Return (Q, R, F) [N] of a load from three taxels, by eq. (14).
-
-    Arguments: ``x``, ``y`` (3,) the taxels seen from the load [m]; ``m`` (3,) Q x_i + R y_i + F z [N m];
-    ``depth`` z [m].
-
-    Raises:
-        InputError: not three taxels, or three on one line.
-
-    Source: Vasarhelyi, Fodor, Roska, eqs (13), (14).
-    """
-    xs, ys, ms = (np.asarray(values, dtype=np.float64) for values in (x, y, m))
-    if not xs.shape == ys.shape == ms.shape == (3,):
-        raise InputError(f"shapes {xs.shape}, {ys.shape}, {ms.shape} given, three taxels wanted")
-    (x1, x2, x3), (y1, y2, y3), (m1, m2, m3) = xs.tolist(), ys.tolist(), ms.tolist()
-    area = (x2 - x3) * y1 + (x3 - x1) * y2 + (x1 - x2) * y3
-    if area == 0:
-        raise InputError(f"taxels at x = {xs.tolist()}, y = {ys.tolist()} lie on one line, a triangle wanted")
-    q = ((m2 - m3) * y1 + (m3 - m1) * y2 + (m1 - m2) * y3) / area
-    r = -((m2 - m3) * x1 + (m3 - m1) * x2 + (m1 - m2) * x3) / area
-    f = ((m3 * x2 - m2 * x3) * y1 + (m1 * x3 - m3 * x1) * y2 + (m2 * x1 - m1 * x2) * y3) / (area * depth)
-    return q, r, f

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from cnnsim.support.extras import need
 from tactile.cli.options import new_mcap
 from tactile.cli.port import console
-from tactile.cli.port.live import LiveMonitor, LiveOptions, status_words
+from tactile.cli.port.live import LiveMonitor, status_words
+from tactile.live_options import LiveOptions
 from tactile.studio.feed import Feed
 
 if TYPE_CHECKING:

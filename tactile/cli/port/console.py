@@ -14,8 +14,8 @@ from cnnsim.support.terminal import console as screen
 from cnnsim.support.terminal import echo, json_line
 
 if TYPE_CHECKING:
-    from tactile.cli.port.live import LiveOptions
     from tactile.finger import Finger
+    from tactile.live_options import LiveOptions
     from tactile.output.publish import Publisher
     from tactile.serial.session import Session
     from tactile.wire.description import Description

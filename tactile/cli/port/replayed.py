@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from cnnsim.support.extras import need
 from tactile import pipeline
-from tactile.cli.opened import RunChoices, open_for_run
-from tactile.cli.port.live import LiveMonitor, recorded_options
+from tactile.cli.port.live import LiveMonitor
 from tactile.cli.port.recorded_frames import RecordedFrames
 from tactile.core.source import ForeignFileError
+from tactile.live_options import recorded_options
+from tactile.opened import RunChoices, open_for_run
 from tactile.settings import PipelineOptions
 from tactile.wire.reading import Counts
 from tactile.wire.source import Chunk, WireSource

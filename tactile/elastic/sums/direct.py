@@ -24,13 +24,13 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
 def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
-    """Return the readings of taxels in every frame: ``layer_loads.layered_load``, compiled.
+    """Return the readings of taxels in every frame: ``halfspace.point_load`` and the layer's share, compiled.
 
     Arguments: ``positions`` (..., 2) taxel centres [m]; ``depth`` z [m]; ``loads`` (frames, n, 5), rows
     (x, y, Q, R, F) [m, m, N, N, N]. Returns (frames, ..., 3).
 
     Raises:
-        InputError: as ``layer_loads.layered_load``.
+        InputError: as ``halfspace.point_load``.
     """
     scale, trace = point_scale(depth, medium)
     at = np.asarray(positions, dtype=np.float64)

@@ -1,4 +1,14 @@
-"""Share of a bonded layer in the field of point loads: ``layer_loads.layer_term``, compiled."""
+"""Share of a bonded layer, layer minus half-space, in the field of point loads, compiled.
+
+With N(k) the difference of the transfer functions, a load P = (Q, R, F) at distance rho = |(x, y)| adds
+
+    zz: F I0[normal] - (Q x + R y) / rho I1[normal_shear]
+    xz: -F x / rho I1[shear_normal] + Q I0[(shear + across) / 2]
+        - ((2 x^2 / rho^2 - 1) Q + 2 x y / rho^2 R) I2[(shear - across) / 2]
+
+and yz alike, where Im[N] = integral of k N(k) Jm(k rho) dk / (2 pi). The difference falls off like exp(-k (2 h - z)):
+the integrals are short and smooth at any depth. Far from a load the sum of both is the layer's small field.
+"""
 
 import math
 

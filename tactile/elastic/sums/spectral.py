@@ -11,8 +11,8 @@ from scipy import fft
 
 from cnnsim.support import Floats, InputError, Integers
 from tactile.core.loads import COLUMNS, FORCE, PLACE, Q
-from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import Medium
+from tactile.elastic.sums.direct import direct_sum
 
 GRID = 24
 """Fewest taxels along each side from which transforms are faster than the direct sum."""
@@ -88,7 +88,7 @@ def point_cell(x: ArrayLike, y: ArrayLike, depth: float, pitch: float, medium: M
     at = np.stack(np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float)), axis=-1)
     unit = np.zeros((3, 1, COLUMNS))
     unit[range(3), 0, range(Q, COLUMNS)] = pitch**2
-    return np.stack([layered_load(at, depth, load, medium) for load in unit], axis=-1)
+    return np.moveaxis(direct_sum(at, depth, unit, medium), 0, -1)
 
 
 def grid_sum(positions: Floats, depth: float, loads: Floats, medium: Medium) -> Floats | None:

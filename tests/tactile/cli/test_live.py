@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from tactile.cli.port.live import LiveMonitor, LiveOptions
+from tactile.cli.port.live import LiveMonitor
+from tactile.live_options import LiveOptions
 from tactile.recording.reader import open_recording
 from tactile.recording.writer import Recording
 from tactile.serial.session import Session

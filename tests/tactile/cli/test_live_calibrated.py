@@ -9,7 +9,8 @@ import pytest
 from tactile.calibration.file import Calibration, write_calibration
 from tactile.calibration.gains import Gains
 from tactile.calibration.radial import RadialCorrection
-from tactile.cli.port.live import LiveMonitor, LiveOptions
+from tactile.cli.port.live import LiveMonitor
+from tactile.live_options import LiveOptions
 from tactile.recording.reader import open_recording
 from tactile.wire.packets import emulated_description, packets
 from tactile.wire.source import WireSource

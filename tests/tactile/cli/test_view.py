@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from tactile.cli.port.live import LiveMonitor, LiveOptions
+from tactile.cli.port.live import LiveMonitor
 from tactile.cli.port.meter import Meter
 from tactile.cli.port.replayed import paced
 from tactile.cli.port.view import LiveView
+from tactile.live_options import LiveOptions
 from tactile.wire.source import Chunk, WireSource
 from tests.kits.serial import sent
 

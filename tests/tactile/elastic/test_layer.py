@@ -10,9 +10,8 @@ from scipy.linalg import expm
 from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.layer import transfer
-from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import FieldQuantity, Medium
-from tests.oracles.elastic.layer import layer_load, periodic_field
+from tests.oracles.elastic.layer import layer_load, layer_term, periodic_field
 
 random = np.random.default_rng(11)
 

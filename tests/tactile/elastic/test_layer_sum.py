@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tactile.elastic.layer_loads import layer_term
 from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.sums.layer_sum import add_layer_term
+from tests.oracles.elastic.layer import layer_term
 
 
 @pytest.mark.parametrize("quantity", ("strain", "stress"))

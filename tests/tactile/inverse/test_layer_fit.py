@@ -7,7 +7,6 @@ import pytest
 
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity, TaxelArray
-from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.finger import Finger
 from tactile.inverse import field_numba
@@ -15,7 +14,7 @@ from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.settings import Settings
 from tests.kits.touch.pads import SCALE, as_row
-from tests.oracles.elastic.layer import layer_load
+from tests.oracles.elastic.layer import layer_load, layered_load
 from tests.oracles.elastic.localise import bound
 
 DEPTH, MODULUS = 1e-3, 2.4e6

@@ -10,9 +10,9 @@ from mcap.records import Attachment, Metadata
 from mcap.writer import Writer
 
 from cnnsim.support import InputError
-from tactile.cli.port.live import LiveOptions
 from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame
+from tactile.live_options import LiveOptions
 from tactile.recording import schema
 from tactile.recording.reader import Recorded, open_recording
 from tactile.recording.records import records

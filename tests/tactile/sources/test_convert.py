@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from cnnsim.support import InputError
-from tactile.cli.port.live import LiveOptions
 from tactile.core.epoch import Epoch
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.source import FrameStream, Provenance, provenance
+from tactile.live_options import LiveOptions
 from tactile.recording.reader import open_recording
 from tactile.recording.writer import Recording
 from tactile.sources import open_source

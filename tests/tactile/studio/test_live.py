@@ -12,7 +12,7 @@ pytest.importorskip("serial", reason="needs the extra serial")
 pytest.importorskip("mcap", reason="needs the extra serial")
 
 from cnnsim.studio.message import unpack
-from tactile.cli.port.live import LiveOptions
+from tactile.live_options import LiveOptions
 from tactile.recording.reader import open_recording
 from tactile.serial.emulator import Emulator
 from tactile.studio import PAGE

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
-from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import Medium
 from tactile.elastic.rough_contact import RoughContact
 from tactile.simulator.contacts.equivalent_points import equivalent_points
@@ -22,6 +21,7 @@ from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.scene.model_range import out_of_range
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.summation import field_at
+from tests.oracles.elastic.layer import layered_load
 
 R, SIDE = 5e-3, 41
 PITCH = 4e-3 / SIDE

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tactile.core.frame import TaxelArray
-from tactile.elastic.layer_loads import layered_load
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.pressed_map import BETWEEN
@@ -14,6 +13,7 @@ from tactile.simulator.effects.finite_thickness import FiniteThickness
 from tactile.simulator.effects.taxel_area import TaxelArea
 from tactile.simulator.scene.scene import Scene
 from tactile.simulator.summation import field_at
+from tests.oracles.elastic.layer import layered_load
 
 DEPTH, PITCH = 1e-3, 1.5e-4
 X, Y = np.meshgrid((np.arange(23) - 11) * PITCH, (np.arange(19) - 9) * PITCH)

@@ -4,8 +4,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from cnnsim.support import InputError
 from tactile.calibration.gains import Gains
 from tactile.calibration.live_tare import TareMode
@@ -15,8 +13,8 @@ from tactile.settings import PipelineOptions, Settings
 from tactile.sources import open_source
 
 if TYPE_CHECKING:
-    from tactile.cli.port.live import LiveOptions
     from tactile.layout.layout import Layout
+    from tactile.live_options import LiveOptions
     from tactile.simulator.bump_cover import Bumps
 
 
@@ -86,20 +84,9 @@ def _recorded(choices: str, name: str) -> "LiveOptions | None":
     """Return the options of the live run that recorded a source, None for other sources."""
     if not choices:
         return None
-    from tactile.cli.port.live import recorded_options  # imported when used
+    from tactile.live_options import recorded_options  # imported when used
 
     return recorded_options(choices, name)
-
-
-def gains_of(text: str | None) -> Gains | None:
-    """Return the gains in a text SHEAR,NORMAL."""
-    if text is None:
-        return None
-    try:
-        shear, normal = (float(part) for part in text.split(","))
-    except ValueError as error:
-        raise click.UsageError(f"--gains {text!r}; two numbers SHEAR,NORMAL wanted") from error
-    return Gains(shear, normal)
 
 
 def _on_bumps(settings: Settings, arrays: tuple[TaxelArray, ...], bumps: "Bumps") -> tuple[Settings, str]:
