@@ -3,9 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from cnnsim.support import InputError
 from cnnsim.support.error_list import ErrorList
-from cnnsim.support.toml_file import line_of
 
 TOP = (
     "title", "rate_hz", "duration_s", "seed", "effects", "tolerance", "accuracy",
@@ -29,14 +27,7 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 
 def check_scene_keys(table: dict[str, Any], errors: ErrorList) -> None:
     """Add unknown and missing keys of all tables of a scene to the ``errors``."""
-    gone = [key for key in ("backend", "dtype") if key in table]
-    for key in gone:
-        with errors.collecting():
-            raise InputError(
-                f"{key} in a scene; none wanted: fields are computed on the CPU in float64; `tactile run "
-                f"--backend` chooses where the program runs{line_of(table, key)}"
-            )
-    errors.check(table, (*TOP, *gone), "", ("title", "rate_hz", "duration_s", "cover", "finger"))
+    errors.check(table, TOP, "", ("title", "rate_hz", "duration_s", "cover", "finger"))
     cover = table.get("cover")
     if isinstance(cover, Mapping):
         flat = cover.get("kind", "flat") == "flat"

@@ -8,7 +8,7 @@ import pytest
 from cnnsim.support import Floats, InputError
 from tactile.bump.body import Body
 from tactile.bump.finite import balance, push_to
-from tactile.bump.kinematics import HALF, PLANE, PRESSED, SHEARED, Kinematics
+from tactile.bump.kinematics import HALF, PLANE, PRESSED, Kinematics
 from tactile.bump.law import Displacement, Law, Mixed, PlaneStress, stress, tangent
 from tactile.bump.mesh import half_section, whole_section
 from tactile.bump.plate import Push, plate_constraint, respond, stiffness
@@ -123,53 +123,6 @@ def test_plane_stress_rubber_in_equal_biaxial_load() -> None:
     assert forces[right].sum() == pytest.approx(stretch - stretch**-5, rel=1e-12)
     inner = ~on_boundary(body)
     assert np.abs(forces[inner]).max() < 1e-12
-
-
-def test_a_rotation_makes_no_forces() -> None:
-    body = Body(shaken(2), PLANE, PlaneStress(Medium(1.0, 0.3)))
-    x, z = body.place
-    c, s = np.cos(1.1), np.sin(1.1)
-    state = np.where(body.component == 0, c * x - s * z - x, s * x + c * z - z)
-    assert np.abs(body.forces(state)).max() < 1e-13
-
-
-def pressed(fineness: float = 0.5, indentation: float = 3e-5) -> tuple[Shape, Body, Floats, float]:
-    shape = Shape()
-    body = Body(half_section(shape, fineness), PRESSED, Mixed(Medium(1.0, 0.45)))
-    state = push_to(body, plate_constraint(body, shape, "press"), indentation)
-    return shape, body, state, indentation
-
-
-def test_tilting_a_pressed_body_strains_nothing() -> None:
-    shape, body, state, _ = pressed()
-    sheared = Body(body.mesh, SHEARED, body.law)
-    tilt = np.zeros(sheared.size)  # u = e_y x position: U = z, V = -z, W = -r, of where the points are now
-    for of, to, factor in ((1, 1, 2.0), (0, 2, -1.0)):
-        here, there = np.flatnonzero(body.component == of), np.flatnonzero(sheared.component == to)
-        here, there = here[np.lexsort(body.place[:, here])], there[np.lexsort(sheared.place[:, there])]
-        assert np.array_equal(body.place[:, here], sheared.place[:, there])
-        tilt[there] = factor * (body.place[of, here] + state[here])
-    gradient, pressure = body.at_points(state)
-    turned = sheared.at_points(tilt)[0] - np.eye(3)
-    change = np.swapaxes(gradient, -1, -2) @ turned
-    assert np.abs(turned).max() > 0.9
-    assert np.abs(change + np.swapaxes(change, -1, -2)).max() < 1e-8
-    # and the pressed body's forces just turn with it: no work is done against the stiffness from within
-    forces = sheared.stiffness(gradient, pressure) @ tilt
-    free = np.setdiff1d(np.flatnonzero(sheared.component >= 0), plate_constraint(sheared, shape, "shift").fixed)
-    assert np.abs(forces[free]).max() < 1e-6 * np.abs(forces).max()
-
-
-def test_cross_talk_of_second_order() -> None:
-    shape = Shape()
-    body = Body(whole_section(shape, 0.5), PLANE, PlaneStress(Medium(1.0, 0.499)))
-    constraint = plate_constraint(body, shape, "shift")
-    deep = np.flatnonzero(
-        (np.abs(body.place[0]) < 1e-12) & (body.component == 1) & (np.abs(body.place[1] - 4e-4) < 3e-4)
-    )[0]
-    sinks = [push_to(body, constraint, moved)[deep] for moved in (2e-5, 4e-5, -4e-5)]
-    assert sinks[1] / sinks[0] == pytest.approx(4, rel=0.02)  # with the square of the shear
-    assert sinks[2] == pytest.approx(sinks[1], rel=1e-6)
 
 
 def test_what_cannot_be_balanced_is_said() -> None:

@@ -73,8 +73,7 @@ def test_a_scan_within_a_tenth_of_a_depth_of_the_taxel_calibrates() -> None:
         (T, np.full_like(READ, np.nan), "not finite"),
         (T[1:], READ, r"\(100,\).*\(101, 3\)"),
         *(
-            (T, np.random.default_rng(seed).normal(0, 1e-3, READ.shape), "wanted|noise|must go on")
-            for seed in range(20)
+            (T, np.random.default_rng(seed).normal(0, 1e-3, READ.shape), "wanted|noise|must go on") for seed in range(5)
         ),  # noise only
     ],
 )
@@ -125,21 +124,13 @@ def test_scans_that_leave_the_sensors_range_are_refused(component: int, share: f
         calibrate(t, readings, SPEED, LOAD, NOMINAL, MODULUS)
 
 
-@pytest.mark.parametrize("counts", [100, 400, 3000])
-@pytest.mark.parametrize("rate", [30, 50, 200, 1000])
+@pytest.mark.parametrize("counts", [100, 3000])
+@pytest.mark.parametrize("rate", [30, 1000])
 def test_quantised_readings_are_not_refused_as_clipped(counts: int, rate: float) -> None:
     t, readings = scan(turn=0.3, rate=rate)
     count = np.abs(readings).max() / counts
     made = calibrate(t, np.round(readings / count) * count, SPEED, LOAD, NOMINAL, MODULUS)
     assert made.depth == pytest.approx(NOMINAL, rel=2 / counts)
-
-
-@pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
-@pytest.mark.parametrize("which", ["speed", "load", "depth", "modulus"])
-def test_speed_load_depth_and_modulus_are_positive(which: str, wrong: float) -> None:
-    bench: dict[str, Any] = {"speed": SPEED, "load": LOAD, "depth": NOMINAL, "modulus": MODULUS, which: wrong}
-    with pytest.raises(InputError, match=f"{which} {wrong}, a positive number wanted"):
-        calibrate(*scan(), **bench)
 
 
 MADE = Calibration(

@@ -28,21 +28,6 @@ def test_tables_keep_their_accuracy_under_the_load_at_the_rim_and_at_the_largest
             assert np.abs(found - known).max() < accuracy * np.abs(known).max()
 
 
-@pytest.mark.parametrize("top", [0.0, 1.0])
-def test_tables_are_no_finer_than_their_accuracy_takes(top: float) -> None:
-    """A look at a taxel costs the more, the larger the table: of points in a layer as well as of circles."""
-    table = disc_table(1.0, top, HERTZ, np.inf, Medium(1.0, thickness=2.0), 1e-4, whole=False)
-    assert table.numbers.shape[1] < 200
-
-
-def test_a_table_is_about_as_wide_as_its_circles() -> None:
-    radii = np.array([0.0, 1.0, 3.8, 6.0])
-    size = table_size(radii, 1.0, HERTZ, np.inf)
-    assert size[0] == 0
-    assert (np.arcsinh(radii) <= size).all()
-    assert (size[2:] <= np.arcsinh(radii[2:]) + 0.5).all()
-
-
 def test_beside_the_load_a_table_is_as_accurate_as_what_is_felt_there() -> None:
     medium = Medium(1.0, 0.3, "stress", 1.05)
     table = disc_table(1.0, 0.0, HERTZ, np.inf, medium, 1e-6)

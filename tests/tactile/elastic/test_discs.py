@@ -48,7 +48,7 @@ def on_a_disc(
 
 
 @pytest.mark.parametrize("name", PRESSURES)
-@pytest.mark.parametrize(("nu", "quantity"), [(0.0, "strain"), (0.5, "strain"), (0.3, "stress")])
+@pytest.mark.parametrize(("nu", "quantity"), [(0.5, "strain"), (0.3, "stress")])
 def test_a_disc_is_many_points(name: str, nu: float, quantity: FieldQuantity) -> None:
     profile, pressure = PRESSURES[name]
     places, share = on_a_disc(pressure)
@@ -74,13 +74,6 @@ def test_closed_forms_of_the_punch_and_of_hertz_at_any_depth() -> None:
         for profile, wanted in ((FLAT_PUNCH, punch / (2 * np.pi)), (HERTZ, hertz / (2 * np.pi))):
             got = disc_load(at, depth, [[0, 0, 0, 0, 1.0]], [1.0], profile, medium)[:, 2]
             assert np.abs(got - wanted).max() < bound * np.abs(wanted).max()
-
-
-def test_on_the_axis_of_a_uniform_disc() -> None:
-    # sigma_zz = -p (1 - z^3 / (1 + z^2)^1.5): Johnson, eq. (3.33)
-    for depth in (0.05, 0.5, 5.0, 500.0):
-        got = disc_load((0, 0), depth, [[0, 0, 0, 0, np.pi]], [1.0], UNIFORM, Medium(1.0, quantity="stress"))
-        assert got[2] == pytest.approx(depth**3 / (1 + depth**2) ** 1.5 - 1, rel=1e-10)
 
 
 @pytest.mark.parametrize("profile", (FLAT_PUNCH, UNIFORM, HERTZ, ROUND_TIP), ids=lambda profile: profile.name)

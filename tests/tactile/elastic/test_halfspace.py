@@ -5,7 +5,7 @@ import pytest
 
 from cnnsim.support import InputError
 from tactile.elastic.halfspace import point_load_strain, point_load_stress
-from tests.oracles.elastic.boussinesq import strain_tensor, stress_tensor
+from tests.oracles.elastic.boussinesq import stress_tensor
 
 DEPTH = 2e-4
 MODULUS = 2.4e6
@@ -16,18 +16,6 @@ def random_cases(count: int) -> list[tuple[tuple[float, float], tuple[float, flo
     at = random.uniform(-8e-4, 8e-4, (count, 2))
     loads = np.hstack([random.uniform(-8e-4, 8e-4, (count, 2)), random.uniform(-0.05, 0.05, (count, 3))])
     return [(tuple(a), tuple(load)) for a, load in zip(at.tolist(), loads.tolist(), strict=True)]
-
-
-@pytest.mark.parametrize(("at", "load"), random_cases(25))
-def test_strain_is_the_symmetric_gradient_of_the_displacement(
-    at: tuple[float, float], load: tuple[float, float, float, float, float]
-) -> None:
-    seen = (at[0] - load[0], at[1] - load[1], DEPTH)
-    tensor = strain_tensor(seen, load[2:], MODULUS)
-    wanted = np.array([tensor[0, 2], tensor[1, 2], tensor[2, 2]])
-    got = point_load_strain(at, DEPTH, [load], MODULUS)
-    assert np.abs(got - wanted).max() < 1e-13 * np.abs(tensor).max()
-    assert abs(np.trace(tensor)) < 1e-13 * np.abs(tensor).max()  # incompressible
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])
@@ -53,11 +41,6 @@ def test_a_plane_carries_the_load() -> None:
     traction = point_load_stress(at, DEPTH, [load])
     total = (traction * jacobian[:, None, None]).sum((0, 1)) * 2 * np.pi / 16
     assert total == pytest.approx((-load[2], -load[3], -load[4]), rel=1e-10)
-
-
-def test_a_pressing_load_compresses_the_taxel_under_it() -> None:
-    assert point_load_strain((0, 0), DEPTH, [(0, 0, 0, 0, 0.02)], MODULUS)[2] < 0
-    assert point_load_stress((0, 0), DEPTH, [(0, 0, 0, 0, 0.02)])[2] < 0
 
 
 def test_loads_add_and_broadcast() -> None:

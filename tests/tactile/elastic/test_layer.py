@@ -80,8 +80,8 @@ def test_surface_and_uniform_pressure() -> None:
     assert uniaxial.normal == pytest.approx(-(1.4 * 0.2) / 0.6)  # 1 / (lambda + 2 G)
 
 
-@pytest.mark.parametrize(("nu", "quantity"), [(0.0, "strain"), (0.3, "stress"), (0.49, "strain"), (0.5, "strain")])
-@pytest.mark.parametrize("depth", (0.5, 0.7, 1.0))
+@pytest.mark.parametrize(("nu", "quantity"), [(0.0, "strain"), (0.3, "stress"), (0.5, "strain")])
+@pytest.mark.parametrize("depth", (0.5, 1.0))
 def test_point_loads_are_the_sum_of_waves(depth: float, nu: float, quantity: FieldQuantity) -> None:
     count, pitch, medium = 384, 0.125, Medium(2.0, nu, quantity)
     x, y = np.meshgrid(*2 * ((np.arange(count) - count // 2) * pitch,))
@@ -109,20 +109,6 @@ def test_a_thick_layer_is_the_half_space() -> None:
             assert all(a > 3 * b for a, b in itertools.pairwise(gaps))
             assert gaps[-1] < 1e-7
             assert not layer_term(at, 0.5, loads, np.inf, medium).any()
-
-
-@pytest.mark.parametrize("ratio", (0.01, 0.1, 1.0, 10.0, 100.0))
-def test_layer_to_pitch_ratios(ratio: float) -> None:
-    pitch = 1e-3
-    at = np.stack(np.meshgrid(*2 * (np.arange(8) * pitch,)), axis=-1)
-    for nu in (0.0, 0.5):
-        for below in (0.1, 1.0):
-            thickness = ratio * pitch
-            felt = layer_load(at, below * thickness, [[0, 0, 1e-3, 0, 1.0]], thickness, Medium(1e6, nu, "stress"))
-            assert np.isfinite(felt).all()
-            assert felt[0, 0, 2] < 0
-            if ratio <= 0.01:  # neighbours lie a hundred thicknesses away and feel nothing at all
-                assert np.abs(felt[1:]).max() < 1e-9 * np.abs(felt).max()
 
 
 def test_a_layer_carries_its_load() -> None:

@@ -12,7 +12,7 @@ DEPTH, MODULUS = 1.3e-3, 2e6
 
 
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
-@pytest.mark.parametrize("thickness", [1.0, 1.25, 4.0, 100.0])
+@pytest.mark.parametrize("thickness", [1.0, 4.0, 100.0])
 def test_the_field_is_that_of_the_integrals(thickness: float, quantity: FieldQuantity) -> None:
     random, (q, r, f) = np.random.default_rng(3), (0.3, -0.7, 1.1)
     at = random.normal(size=(200, 2)) * random.choice([0.01, 0.5, 2, 6], size=(200, 1))

@@ -17,8 +17,8 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.mark.parametrize("accuracy", (1e-4, 1e-7))
-@pytest.mark.parametrize("radius", (0.3, 1.0, 2.0, 4.0))
-@pytest.mark.parametrize("depth", (0.3, 0.6, 1.0))
+@pytest.mark.parametrize("radius", (0.3, 1.0, 4.0))
+@pytest.mark.parametrize("depth", (0.3, 1.0))
 def test_a_twist_is_felt_as_its_rigid_turn_of_the_layer(radius: float, depth: float, accuracy: float) -> None:
     medium = Medium(3.0, thickness=1.0)  # shear modulus 1
     contact = MovingContact(0, Indenter("flat_punch", radius), [(0.0, 0, 0, 0, 0, 0.0, 2.0)])

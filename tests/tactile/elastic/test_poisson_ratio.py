@@ -12,7 +12,7 @@ from tactile.elastic.sums.spectral import TractionTransform
 from tests.oracles.elastic.boussinesq import strain_tensor
 from tests.oracles.elastic.layer import periodic_field
 
-NUS = (0.0, 1e-12, 0.2, 0.45, 0.4999, 0.5 - 1e-12, 0.5)
+NUS = (0.0, 1e-12, 0.2, 0.45, 0.5 - 1e-12, 0.5)
 random = np.random.default_rng(7)
 
 
@@ -72,23 +72,6 @@ def test_the_compiled_sum_is_the_reference(quantity: FieldQuantity, nu: float) -
         assert np.abs(got - wanted).max(initial=0) <= 1e-13 * np.abs(wanted).max(initial=0)
 
 
-def test_a_hundred_thousand_loads() -> None:
-    loads, at = some_loads(1, 100_000), random.uniform(-1e-3, 1e-3, (4, 2))
-    medium = Medium(2.4e6, 0.45)
-    halves = direct_sum(at, 3e-4, loads[:, ::2], medium) + direct_sum(at, 3e-4, loads[:, 1::2], medium)
-    assert direct_sum(at, 3e-4, loads, medium) == pytest.approx(halves, rel=1e-11)
-
-
-def test_turning_everything_turns_the_answer() -> None:
-    at, loads, turn = random.uniform(-1, 1, (30, 2)), some_loads(3, reach=1.0), 0.7
-    matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    turned = loads.copy()
-    turned[:, :2], turned[:, 2:4] = loads[:, :2] @ matrix.T, loads[:, 2:4] @ matrix.T
-    here, there = (point_load_strain(p, 0.3, q, 1.0, 0.4) for p, q in ((at, loads), (at @ matrix.T, turned)))
-    here[:, :2] = here[:, :2] @ matrix.T
-    assert np.abs(here - there).max() < 1e-13 * np.abs(here).max()
-
-
 def test_reciprocity() -> None:
     # component i of the traction on a plane from a load along j is component j from a load along i
     at = random.uniform(-1, 1, (20, 2))
@@ -96,13 +79,6 @@ def test_reciprocity() -> None:
     unit[range(3), 0, range(2, 5)] = 1
     felt = np.stack([point_load(at, 0.3, load, Medium(1.0, quantity="stress")) for load in unit], axis=-1)
     assert np.abs(felt - np.swapaxes(felt, -1, -2)).max() < 1e-14 * np.abs(felt).max()
-
-
-def test_poisson_ratios_next_to_each_other_are_next_to_each_other() -> None:
-    at, loads = random.uniform(-1, 1, (20, 2)), some_loads(3, reach=1.0)
-    for a, b in ((0.0, 1e-12), (0.5 - 1e-12, 0.5)):
-        one, other = (point_load_strain(at, 0.3, loads, 1.0, nu) for nu in (a, b))
-        assert 0 < np.abs(one - other).max() < 1e-11 * np.abs(one).max()
 
 
 @pytest.mark.parametrize("force", (1e-12, 1e6))

@@ -36,7 +36,7 @@ def by_strips(b: float, nu: float, count: int = 300) -> tuple[float, Floats, Flo
 
 
 @pytest.mark.parametrize("nu", (0.5, 0.3))
-@pytest.mark.parametrize("b", (0.1, 0.6, 1.0, 3.0))
+@pytest.mark.parametrize("b", (0.1, 1.0, 3.0))
 def test_the_contact_is_that_of_many_strips(b: float, nu: float) -> None:
     force, at, pressure = by_strips(b, nu)
     law = strip_contact(nu)
@@ -47,7 +47,7 @@ def test_the_contact_is_that_of_many_strips(b: float, nu: float) -> None:
     assert np.abs(found - pressure)[inner].max() < 1e-3 * pressure.max()
 
 
-@pytest.mark.parametrize("nu", (0.5, 0.499, 0.3, 0.0))
+@pytest.mark.parametrize("nu", (0.5, 0.0))
 def test_a_width_is_where_its_force_is_from_the_narrowest_to_the_widest(nu: float) -> None:
     law = strip_contact(nu)
     b = np.concatenate([[0.0, 1e-150], np.geomspace(1e-12, WIDEST, 500), WIDEST * (1 - np.geomspace(1e-12, 0.1, 20))])

@@ -44,7 +44,7 @@ def test_random_strains_are_ambiguous() -> None:
 
 
 @pytest.mark.parametrize("stress", [False, True])
-@pytest.mark.parametrize("side", [2, 3, 4, 8, 16])
+@pytest.mark.parametrize("side", [2, 4, 16])
 def test_a_stuck_taxel_is_named_and_does_not_change_the_load(side: int, stress: bool) -> None:
     random, at = np.random.default_rng(side), array(side, side)
     gross = named = 0
@@ -99,7 +99,7 @@ def test_a_finger_measures_its_noise_and_the_ends_of_its_range() -> None:
 
 
 @pytest.mark.parametrize("stress", [False, True])
-@pytest.mark.parametrize(("side", "pitch"), [(3, 1), (4, 2), (8, 1), (8, 2)])
+@pytest.mark.parametrize(("side", "pitch"), [(3, 1), (8, 2)])
 def test_an_undeclared_clipped_reading_is_recognised(side: int, pitch: int, stress: bool) -> None:
     """The amplifier clips at 0.6 of the peak: residuals there point outwards, and vanish without these readings."""
     random, at = np.random.default_rng(side), TaxelArray("pad", side, side, pitch * PITCH, DEPTH).positions()

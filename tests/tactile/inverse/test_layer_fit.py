@@ -9,7 +9,6 @@ from cnnsim.support import Flags, Floats
 from tactile.core.frame import Frame, Quantity, TaxelArray
 from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.finger import Finger
-from tactile.inverse import field_numba
 from tactile.inverse.load import Load
 from tactile.inverse.validity import Validity
 from tactile.settings import Settings
@@ -46,7 +45,7 @@ def draw(random: np.random.Generator, shape: tuple[int, int], pitch: float) -> F
 
 
 @pytest.mark.parametrize("quantity", ["strain", "stress"])
-@pytest.mark.parametrize("thickness", [1.0, 1.1, 1.5, 4.0])
+@pytest.mark.parametrize("thickness", [1.0, 1.5])
 def test_place_and_forces_are_those_on_the_layer(quantity: Quantity, thickness: float) -> None:
     random, off, force = np.random.default_rng(4), [], []
     for shape, pitch in (((2, 2), 0.75), ((4, 4), 1.5), ((8, 8), 1.0), ((3, 5), 1.0)):
@@ -116,28 +115,6 @@ def test_one_taxel_on_a_thin_cover_is_ambiguous() -> None:
     for thickness, wanted in ((1.2, Validity.AMBIGUOUS), (30.0, Validity.INSIDE)):
         cover = Cover((1, 1), "stress", 1.0, thickness)
         assert cover.found(cover.measured(np.array([[0.6e-3, 0.3e-3, 0.0, 0.0, 0.3]]))).validity is wanted
-
-
-@pytest.mark.parametrize("several", [False, True])
-@pytest.mark.parametrize("body", ["layer", "strain", "stress"])
-def test_slopes_are_those_of_the_signals(body: str, several: bool) -> None:
-    from tactile.elastic.layer_field import layer_field
-
-    strain = body != "stress"
-    layer = layer_field(1.2, 1.0, True) if body == "layer" else np.empty((0, 5, 4))
-    at, scale = np.array([[0.3, -0.2], [1.4, 0.7], [0.0, 0.0]]), np.ones((3, 3))
-    load, measured = np.array([[0.1, 0.2, 0.3, -0.4, 1.0], [-0.6, 0.5, 0.2, 0.1, 0.7]])[: 1 + several], np.zeros((3, 3))
-    matrix, vector = np.empty((load.size, load.size)), np.empty(load.size)
-    field_numba.equations(at, measured, scale, load, strain, layer, np.zeros(3), matrix, vector)
-
-    def made(step: Floats) -> Floats:
-        loads = load + step.reshape(load.shape)
-        return np.asarray(-field_numba.residual(at, measured, scale, loads, strain, layer)).ravel()
-
-    nothing = np.zeros(load.size)
-    slopes = np.array([(made(one) - made(-one)) / 2e-5 for one in 1e-5 * np.eye(load.size)])
-    assert matrix == pytest.approx(slopes @ slopes.T, abs=1e-6)
-    assert vector == pytest.approx(slopes @ -made(nothing), abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ def test_taxels_on_a_line_use_all_of_them() -> None:
 
 @pytest.mark.parametrize("given_noise", [False, True])
 @pytest.mark.parametrize("stress", [False, True])
-@pytest.mark.parametrize(("side", "level"), [(2, 1e-6), (2, 3e-2), (4, 1e-3), (8, 3e-2), (32, 1e-2), (32, 3e-2)])
+@pytest.mark.parametrize(("side", "level"), [(2, 3e-2), (4, 1e-3), (32, 1e-2)])
 def test_errors_and_deviations_are_near_the_cramer_rao_bound(
     side: int, level: float, stress: bool, given_noise: bool
 ) -> None:

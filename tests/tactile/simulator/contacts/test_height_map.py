@@ -10,7 +10,6 @@ from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.elastic.rough_contact import RoughContact
-from tactile.simulator.contacts.equivalent_points import equivalent_points
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.height_surface import refined
 from tactile.simulator.contacts.indenter import Indenter
@@ -49,7 +48,7 @@ def test_a_ball_is_hertz_or_the_layers_law(thickness: float) -> None:
     assert np.abs(felt - known).max() < 5e-3 * np.abs(known).max()
 
 
-@pytest.mark.parametrize(("thickness", "deep"), ((1e-3, 1e-4), (5e-4, 1e-4), (3e-4, 3e-5)))
+@pytest.mark.parametrize(("thickness", "deep"), ((1e-3, 1e-4), (3e-4, 3e-5)))
 def test_a_ball_on_a_thin_cover_is_the_layers_law(thickness: float, deep: float) -> None:
     """Over incompressible covers of a sixth to a third of the contact's radius, which bulge beside it."""
     medium, radius, pitch = Medium(1e6, thickness=thickness), 30e-3, 1.4e-4
@@ -75,10 +74,6 @@ def hills(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]
     return np.asarray(paraboloid(x, y) / 4 + 4e-5 * (1 - np.cos(2094 * x) * np.cos(1848 * (y + 3e-4))))
 
 
-def two_balls(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.minimum(paraboloid(x - 1.3e-3, y), paraboloid(x + 1.5e-3, y - 4e-4) + 2e-5)
-
-
 def cells(count: int, pitch: float, off: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     along = (np.arange(count) - (count - 1) / 2) * pitch
     x, y = np.meshgrid(along + off * pitch, along - off * pitch)
@@ -86,7 +81,7 @@ def cells(count: int, pitch: float, off: float) -> tuple[NDArray[np.float64], ND
 
 
 @pytest.mark.parametrize("thickness", (np.inf, 1.2e-3))
-@pytest.mark.parametrize(("body", "parts", "bound"), ((paraboloid, 2, 5e-3), (hills, 4, 1e-2), (two_balls, 4, 5e-3)))
+@pytest.mark.parametrize(("body", "parts", "bound"), ((paraboloid, 2, 5e-3), (hills, 4, 1e-2)))
 def test_a_smooth_body_in_coarse_cells_is_what_it_is_in_fine_ones(
     body: Callable[..., NDArray[np.float64]], parts: int, bound: float, thickness: float
 ) -> None:
@@ -127,26 +122,6 @@ def test_surfaces_are_parabolas_cones_and_walls_without_ridges() -> None:
     flat = refined(np.where(np.hypot(x, y) < 2.6, 0.01 * x, 7.0), 4)
     assert sorted(np.unique(np.where(flat < 1, 0, flat)).tolist()) == [0.0, 7.0]
     assert (flat < 1).sum() == 16 * (np.hypot(x, y) < 2.6).sum()
-
-
-def test_equivalent_points_have_the_same_field() -> None:
-    x, y = cells(41, 5e-5, 0.0)
-    inside = np.hypot(x, 2 * y) < 1e-3
-    places = np.stack([x[inside], y[inside]], axis=-1)
-    shares = np.stack([np.sqrt(1 - np.hypot(x, 2 * y)[inside] ** 2 / 1e-6), np.ones(len(places))])
-    shares /= shares.sum(axis=1, keepdims=True)
-    at = np.stack(np.meshgrid(np.linspace(-2e-3, 2e-3, 15), np.linspace(-2e-3, 2e-3, 15)), axis=-1)
-    fewer, carried = equivalent_points(places, shares, 1e-3, 1e-3)
-    assert len(fewer) < len(places) / 8
-    for medium in (Medium(2.4e6), Medium(1e5, 0.4, thickness=1.1e-3)):
-        for pull in np.eye(3):
-            fields = []
-            for where, force in ((places, shares[1]), (fewer, carried[1])):
-                fields.append(layered_load(at, 1e-3, np.column_stack([where, force[:, None] * pull]), medium))
-            assert np.abs(fields[1] - fields[0]).max() < 1e-3 * np.abs(fields[0]).max()
-    same, all_of_them = equivalent_points(places, shares, 1e-4, 1e-3)  # shallow taxels resolve each cell
-    assert same is places
-    assert all_of_them is shares
 
 
 def test_cells_that_do_not_tell_the_contact_are_told_of() -> None:

@@ -23,9 +23,7 @@ def room(width: float, length: float, nu: float) -> tuple[PeriodicLayer, Floats,
     return PeriodicLayer((rows, cols), (along, across), nu), x, y
 
 
-@pytest.mark.parametrize(
-    ("radius", "length", "nu"), [(1.0, 2.0, 0.3), (1.0, 2.0, 0.5), (0.4, 2.0, 0.4), (0.5, 4.0, 0.5), (2.0, 6.0, 0.5)]
-)
+@pytest.mark.parametrize(("radius", "length", "nu"), [(1.0, 2.0, 0.3), (0.4, 2.0, 0.4), (2.0, 6.0, 0.5)])
 def test_a_held_cylinder_is_as_stiff_as_a_rigid_one_of_its_length(radius: float, length: float, nu: float) -> None:
     deep = 0.05
     layer, x, y = room(1.1 * np.sqrt(2 * radius * deep), length, nu)

@@ -62,16 +62,3 @@ def test_a_scene_of_a_height_map_is_the_same_in_pieces_and_to_its_accuracy() -> 
     assert np.abs(rough - fine).max() <= 1.5e-4 * np.abs(fine).max()
     (alone,) = scenes[0].affected([scenes[0].skin.field(0, np.array([0.9]))], "field", scenes[0].effects, 0)
     assert alone.values[0] == pytest.approx(rough[450], abs=1e-12 * np.abs(rough).max())
-
-
-def test_fewer_points_stand_for_a_pattern_where_points_are_asked_for() -> None:
-    medium, times = Medium(2e6, thickness=2e-3), np.linspace(0.1, 1.8, 4)
-    loads = body(True).loads(times, DEPTH, medium)
-    (pattern,) = loads.patterns
-    few, cells = loads.with_patterns, pattern.points(0.0)
-    assert few.shape[1] < cells.shape[1] / 2
-    assert few[..., 2:].sum(axis=1) == pytest.approx(loads.totals[:, 0, 2:], abs=1e-12)
-    felt = field_at(AT, DEPTH, loads, medium, accuracy=0.0)
-    assert np.abs(layered_load(AT, DEPTH, few[:, None, None], medium) - felt).max() < 2e-3 * np.abs(felt).max()
-    part = loads.of_frames(slice(1, 3)).patterns[0].points(0.0)
-    assert (part == cells[1:3]).all()

@@ -124,7 +124,7 @@ def test_a_rig_presses_by_each_contacts_own_law() -> None:
 
 
 @pytest.mark.parametrize("nu", (0.5, 0.3))
-@pytest.mark.parametrize("thickness", (np.inf, 2e-3, 1e-3))
+@pytest.mark.parametrize("thickness", (np.inf, 1e-3))
 @pytest.mark.parametrize("body", (Indenter("cylinder", 2e-3, 8e-3), Indenter("cylinder", 5e-5, 2e-2)))
 def test_a_held_cylinder_is_pressed_until_it_sinks_in_as_deep(body: Indenter, thickness: float, nu: float) -> None:
     """From every force to every other, up to where it goes through the layer."""

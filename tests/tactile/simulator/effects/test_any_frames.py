@@ -13,7 +13,7 @@ from tactile.simulator.effects import ORDER, effect_class, make_effect, without
 from tests.kits.touch.effects import FULL
 
 ON_FRAMES = [name for name in ORDER if effect_class(name).STAGE == "frames"]
-SHAPES = [(1, 1), (1, 5), (5, 1), (2, 2), (8, 8), (32, 32)]
+SHAPES = [(1, 1), (1, 5), (8, 8)]
 
 
 def pieces(values: NDArray[np.float64], t: Any, cuts: Iterable[int]) -> Iterator[Batch]:
@@ -32,8 +32,7 @@ def through(effect: Any, values: NDArray[np.float64], cuts: Iterable[int] = ()) 
 @pytest.mark.parametrize("name", ON_FRAMES)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_any_frames_of_any_array_in_any_pieces(name: str, shape: tuple[int, int]) -> None:
-    few = 30 if shape[0] > 8 else 1000
-    for frames in (0, 1, 2, few):
+    for frames in (0, 1, 2, 100):
         values = np.random.default_rng(frames).normal(size=(frames, *shape, 3)) * 0.05
         left = through(without(effect_class(name)), values)
         assert left[0].tobytes() == values.tobytes()

@@ -10,10 +10,9 @@ from scipy.special import j0
 
 from cnnsim.support import InputError
 from tactile.core.frame import TaxelArray
-from tactile.elastic.discs import disc_load
 from tactile.elastic.layer import transfer
 from tactile.elastic.medium import FieldQuantity, Medium
-from tactile.elastic.profiles import HERTZ, ROUND_TIP, round_tip_radius
+from tactile.elastic.profiles import HERTZ
 from tactile.simulator.contacts.indenter import Indenter
 from tactile.simulator.contacts.loads import Loads
 from tactile.simulator.contacts.mounting import STILL, Rig
@@ -179,16 +178,3 @@ def test_accuracies_that_cannot_be_kept_are_refused_with_both_numbers() -> None:
         with pytest.raises(InputError, match=f"accuracy {accuracy:g}; from 1e-07 to 0.1 of the peak wanted"):
             affected(sphere(0.5), accuracy=accuracy)
     assert affected(sphere(0.5), accuracy=1e-7).accuracy == 1e-7
-
-
-def test_a_tip_over_a_wide_taxel_is_the_mean_of_what_the_tip_does() -> None:
-    array = TaxelArray("chip", 2, 2, 4e-4, 2e-4)
-    needle = MovingContact(0, Indenter(), np.array([(0.0, 2e-4, 2e-4, 2e-3, 1e-3, 0.02)]))
-    field = affected(needle, FiniteTip(50e-6), TaxelArea(300e-6), array=array)
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    steps = np.stack(np.meshgrid(nodes, nodes), axis=-1).reshape(-1, 2) * 150e-6
-    radius = round_tip_radius(0.02, 50e-6, Medium(2.4e6).contact_modulus)
-    at = array.positions()[:, :, None] + steps
-    felt = disc_load(at, 2e-4, field.loads.totals[0], [radius], ROUND_TIP, Medium(2.4e6), radius / 50e-6)
-    wanted = np.einsum("rcpk,p->rck", felt, np.outer(weights, weights).ravel() / 4)
-    assert np.abs(field.values[0] - wanted).max() < 1e-4 * np.abs(wanted).max()

@@ -61,7 +61,6 @@ def test_wrong_values_are_told_at_once_and_with_missing_keys() -> None:
 title = "wrong"
 rate_hz = -5
 duraton_s = 2.0
-dtype = "float32"
 [cover]
 youngs_modulus_mpa = -2
 quantity = "pressure"
@@ -89,7 +88,6 @@ rms = -1
         "unknown key 'duraton_s'",
         "no 'duration_s'",
         "rate_hz = -5.0",
-        "dtype in a scene; none wanted: fields are computed on the CPU in float64",
         "youngs_modulus_mpa = -2.0",
         "quantity = 'pressure'",
         "finger 1: rows = 0",
