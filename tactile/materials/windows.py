@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cnnsim.support import Flags, Floats, InputError, Integers
+from cnnsim.support import Floats, InputError, Integers
 from cnnsim.support.progress import watcher
 from tactile.materials.features import FeatureSet
 from tactile.materials.slide import Slide
@@ -38,12 +38,6 @@ class WindowTable:
     def block(self) -> Integers:
         """(n,) block of the slide of each window."""
         return np.array([one.block for one in self.slides])[self.slide]
-
-    def only(self, chosen: Flags) -> "WindowTable":
-        """Return a selection of the windows."""
-        return WindowTable(
-            self.slides, self.values[chosen], self.slide[chosen], self.place[chosen], self.start[chosen], self.dropped
-        )
 
 
 def cut(slides: Sequence[Slide], features: FeatureSet, hop: int) -> WindowTable:

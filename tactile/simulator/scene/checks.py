@@ -1,18 +1,21 @@
 """Checks of the fields of a new scene: numbers, arrays, contacts and effects."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cnnsim.support import InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.values import is_number, is_whole
 from tactile.simulator.summation import FINEST
 
+if TYPE_CHECKING:
+    from tactile.simulator.scene.scene import Scene
+
 COARSEST = 0.1
 """The coarsest accuracy of a field, relative to its peak."""
 
 
-def check(scene: Any) -> None:  # a `Scene`, which imports this
+def check(scene: "Scene") -> None:
     """Raise the `InputError` that `Scene` names for a wrong field."""
     for name in ("rate", "duration", "modulus", "full_scale"):
         value = getattr(scene, name)

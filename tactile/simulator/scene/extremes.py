@@ -1,16 +1,18 @@
 """Largest forces, contact radii and strains of a finger over a recording."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from cnnsim.support import Floats, InputError
 from tactile.core.loads import FORCE, F
-from tactile.simulator.field import Contact, Field
-from tactile.simulator.ideal_skin import IdealSkin
+from tactile.simulator.field import Field
 from tactile.simulator.scene.hardest_frames import hardest_frames, most_strained
+
+if TYPE_CHECKING:
+    from tactile.simulator.scene.scene import Scene
 
 EVEN = 64
 """Number of evenly spread frames among the checked ones."""
@@ -18,27 +20,6 @@ DEEP = 0.3
 """Indentation over thickness, and strain, from which linear rubber is wrong by about a third."""
 NEAR = 0.02
 """Displacement across, over the depth, up to which a vibrating load counts as no nearer to a taxel."""
-
-
-class TheScene(Protocol):
-    """The attributes of a scene that are used here; ``Scene`` imports this module."""
-
-    @property
-    def contacts(self) -> Sequence[Contact]: ...  # noqa: D102 - bodies
-    @property
-    def effects(self) -> Sequence[tuple[str, Any]]: ...  # noqa: D102 - names and effects
-    @property
-    def arrays(self) -> Sequence[Any]: ...  # noqa: D102 - of taxels
-    @property
-    def rate(self) -> float: ...  # noqa: D102 - [Hz]
-    @property
-    def samples(self) -> int: ...  # noqa: D102 - frames
-    @property
-    def skin(self) -> IdealSkin: ...  # noqa: D102 - without effects
-    def fixed_field(self, field: Field, finger: int) -> Field: ...  # noqa: D102 - with the fixed effects
-    def affected(  # noqa: D102 - with some effects
-        self, stream: Iterable[Field], stage: str, effects: Iterable[tuple[str, Any]], finger: int
-    ) -> Iterator[Field]: ...
 
 
 class Extremes(NamedTuple):
@@ -87,7 +68,7 @@ def _strain(field: Field) -> float:
     return float(size.max())
 
 
-def checked_field(scene: TheScene, finger: int) -> Field:
+def checked_field(scene: "Scene", finger: int) -> Field:
     """The field of a finger with all fixed effects in the frames in which its models are checked.
 
     Evenly spread frames, keyframes and, where an upper bound of the strain is above ``DEEP``, the hardest frames.
@@ -100,13 +81,13 @@ def checked_field(scene: TheScene, finger: int) -> Field:
     return scene.fixed_field(scene.skin.field(finger, times), finger)
 
 
-def hardest_times(scene: TheScene, finger: int, count: int) -> Floats:
+def hardest_times(scene: "Scene", finger: int, count: int) -> Floats:
     """Times [s] of the ``count`` frames in which the hardest loads are nearest to the taxels of a finger."""
     times, _ = key_times(scene, finger, count)
     return hardest_frames(scene.skin.field(finger, times), scene.samples, scene.rate, count)
 
 
-def key_times(scene: TheScene, finger: int, even: int) -> tuple[Floats, bool]:
+def key_times(scene: "Scene", finger: int, even: int) -> tuple[Floats, bool]:
     """Times [s] of ``even`` evenly spread frames and of keyframes, and whether every contact follows a path."""
     last, by_path = (scene.samples - 1) / scene.rate, True
     times = [np.linspace(0, last, min(even, scene.samples))]
@@ -125,7 +106,7 @@ def key_times(scene: TheScene, finger: int, even: int) -> tuple[Floats, bool]:
     return found[found <= last], by_path
 
 
-def may_be_larger(scene: TheScene, field: Field, matters: Callable[[Extremes], bool]) -> bool:
+def may_be_larger(scene: "Scene", field: Field, matters: Callable[[Extremes], bool]) -> bool:
     """Whether random displacements of the contacts may change the extremes of a ``field`` in a way that matters."""
     random = [effect for _, effect in scene.effects if effect.STAGE == "field" and effect.RANDOM and not effect.off]
     if not random:

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +14,10 @@ from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.indenter import LAWS, Indenter
 from tactile.simulator.contacts.moving_contact import MovingContact
 from tactile.simulator.field import Field
-from tactile.simulator.scene.extremes import DEEP, Extremes, TheScene, checked_field, extremes, may_be_larger
+from tactile.simulator.scene.extremes import DEEP, Extremes, checked_field, extremes, may_be_larger
+
+if TYPE_CHECKING:
+    from tactile.simulator.scene.scene import Scene
 
 WIDE = 0.5
 """Contact over body radius above which Hertz' law is reported: there its force is 11 % too small under a sphere, 10 %
@@ -39,7 +43,7 @@ DOUBT = 0.02
 at most 1 % below it."""
 
 
-def out_of_range(scene: TheScene) -> Iterator[str]:
+def out_of_range(scene: "Scene") -> Iterator[str]:
     """Yield one line for each way in which a scene leaves the range of its models.
 
     Raises:
@@ -50,7 +54,7 @@ def out_of_range(scene: TheScene) -> Iterator[str]:
         yield from _of_finger(scene, finger, {n: one for n, one in numbered.items() if one.finger == finger})
 
 
-def _of_finger(scene: TheScene, finger: int, mine: dict[int, MovingContact]) -> list[str]:
+def _of_finger(scene: "Scene", finger: int, mine: dict[int, MovingContact]) -> list[str]:
     """The lines of one finger: from a few frames, from all where random effects on fields may change the lines."""
     field = checked_field(scene, finger)
 
