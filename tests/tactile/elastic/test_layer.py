@@ -101,7 +101,7 @@ def test_point_loads_are_the_sum_of_waves(depth: float, nu: float, quantity: Fie
 
 def test_a_thick_layer_is_the_half_space() -> None:
     at, loads = random.uniform(-2, 2, (50, 2)), np.array([[0.1, 0.2, 0.3, -0.4, 0.5]])
-    for nu in (0.0, 0.45, 0.5):
+    for nu in (0.0, 0.5):
         for quantity in ("strain", "stress"):
             medium = Medium(1.0, nu, quantity)
             half = point_load(at, 0.5, loads, medium)

@@ -5,10 +5,7 @@ import pytest
 
 from cnnsim.support import InputError
 from tactile.core.frame import Frame, TaxelArray
-from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load_strain
-from tactile.elastic.medium import Medium
-from tactile.elastic.profiles import HERTZ
 from tactile.finger import Finger
 from tactile.inverse.load import Load
 from tactile.inverse.localise import localise
@@ -117,16 +114,6 @@ def test_an_undeclared_clipped_reading_is_recognised(side: int, pitch: int, stre
     assert max(off) < 0.3
     assert np.median(off) < 0.01
     assert named >= len(off) - 2
-
-
-def test_a_wide_tip_is_not_clipped() -> None:
-    """A blunt tip reduces the same readings as a clipped amplifier, but changes their neighbours too."""
-    at = array(8, 8)
-    for x in (0.0, 2e-4, 5e-4):
-        load = (4e-3 + x, -2e-3, 0.0, 0.0, 1.0)
-        signals = disc_load(at, DEPTH, [load], [0.4 * DEPTH], HERTZ, Medium(MODULUS))
-        answer = locate(at, signals)
-        assert (answer.validity, answer.saturated) == (Validity.INSIDE, ())
 
 
 def test_a_false_taxel_or_a_second_load_is_ambiguous() -> None:

@@ -5,13 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactile.core.frame import TaxelArray
 from tactile.elastic.medium import Medium
 from tactile.simulator.contacts.height_map import HeightMap
 from tactile.simulator.contacts.pressed_map import BETWEEN
-from tactile.simulator.effects.finite_thickness import FiniteThickness
-from tactile.simulator.effects.taxel_area import TaxelArea
-from tactile.simulator.scene.scene import Scene
 from tactile.simulator.summation import field_at
 from tests.oracles.elastic.layer import layered_load
 
@@ -28,7 +24,7 @@ def body(moves: bool, pull: float = 0.05, friction: float | None = None) -> Heig
 
 
 @pytest.mark.parametrize("thickness", (np.inf, 2e-3))
-@pytest.mark.parametrize(("moves", "pull", "frames"), ((True, 0.05, 40), (False, 0.05, 400), (False, 0.0, 90)))
+@pytest.mark.parametrize(("moves", "pull", "frames"), ((True, 0.05, 40), (False, 0.05, 90)))
 def test_points_and_cells_give_the_field_of_all_cells(moves: bool, pull: float, frames: int, thickness: float) -> None:
     medium, times = Medium(2e6, 0.45, thickness=thickness), np.linspace(0, 2, frames)
     one = body(moves, pull)
@@ -48,17 +44,3 @@ def test_points_and_cells_give_the_field_of_all_cells(moves: bool, pull: float, 
     stress = replace(medium, quantity="stress", modulus=2e6)
     felt = field_at(AT, DEPTH, loads, stress)
     assert np.abs(felt - field_at(AT, DEPTH, loads, stress, accuracy=0.0)).max() <= 1e-4 * np.abs(felt).max()
-
-
-def test_a_scene_of_a_height_map_is_the_same_in_pieces_and_to_its_accuracy() -> None:
-    array = TaxelArray("f", 4, 4, 8e-4, DEPTH)
-    effects = FiniteThickness(2e-3), TaxelArea(4e-4)
-    scenes = [
-        Scene("s", 500.0, 1.9, 2e6, (array,), (), (body(True, 0.05, 0.4),), effects, accuracy=accuracy)
-        for accuracy in (1e-4, 1e-6)
-    ]
-    rough, fine = (np.concatenate([batch.values for batch in scene.batches(0)]) for scene in scenes)
-    assert len(rough) == 950  # two pieces
-    assert np.abs(rough - fine).max() <= 1.5e-4 * np.abs(fine).max()
-    (alone,) = scenes[0].affected([scenes[0].skin.field(0, np.array([0.9]))], "field", scenes[0].effects, 0)
-    assert alone.values[0] == pytest.approx(rough[450], abs=1e-12 * np.abs(rough).max())

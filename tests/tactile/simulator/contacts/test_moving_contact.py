@@ -8,11 +8,8 @@ from cnnsim.support import InputError
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import hertz_radius
 from tactile.simulator.contacts.indenter import Indenter
-from tactile.simulator.contacts.loads import together
 from tactile.simulator.contacts.moving_contact import MovingContact
-from tactile.simulator.contacts.moving_load import MovingLoad
 from tactile.simulator.contacts.traction_map import TractionMap
-from tactile.simulator.field import Contact
 from tactile.simulator.summation import field_at
 
 RUBBER = Medium(2.4e6)
@@ -121,21 +118,6 @@ def test_a_twist_is_limited_by_friction_and_adds() -> None:
     assert np.abs(swirl[:, 2]).max() < 1e-15
     most = 3 * np.pi / 16 * 0.5 * 0.02 * hertz_radius(0.02, 2e-3, RUBBER.contact_modulus)
     assert hard.loads(np.array([1.0]), 5e-4, RUBBER).twists[0].twists[0, 0, 2] == pytest.approx(most)
-
-
-def test_contacts_add() -> None:
-    times = np.array([0.0, 0.5])
-    parts: list[Contact] = [
-        MovingLoad(0, np.array([(0.0, 1e-4, 0, 0.01, 0, 0.02), (1.0, 2e-4, 0, 0.01, 0, 0.03)])),
-        at_rest(Indenter("sphere", 2e-3), (0, 1e-4, 2e-3, 0, 0.02, 1e-7), 0.5),
-        at_rest(Indenter("edge", 0, 1e-3), (3e-4, 0, 0, 0, 0.02, 0)),
-        TractionMap(0, np.array([(0, 0, 1, 2, 3.0), (1e-4, 0, 0, 0, 1.0)]), np.array([(0.0, 0.01), (1.0, 0.02)])),
-    ]
-    at = random.uniform(-5e-4, 5e-4, (3, 4, 2))
-    single = [part.loads(times, 5e-4, RUBBER) for part in parts]
-    whole = field_at(at, 5e-4, together(single, 2), RUBBER)
-    assert np.abs(whole - sum(field_at(at, 5e-4, one, RUBBER) for one in single)).max() < 1e-13 * np.abs(whole).max()
-    assert not field_at(at, 5e-4, together([], 2), RUBBER).any()
 
 
 def test_wrong_indenters_are_refused() -> None:
