@@ -1,7 +1,7 @@
 """Response of taxels around a bump to the force on its plate: a table over radii from finite elements.
 
 A body of revolution answers a force (Q, R, F) on its axis with five functions of the distance rho: as in
-``elastic.layer_loads``, with (c, s) the direction from the bump to the taxel and a = Q c + R s,
+``elastic.unit_disc``, with (c, s) the direction from the bump to the taxel and a = Q c + R s,
 
     zz = N_zz(F) + a S_zz,    xz = c N_rz(F) + Q S_even - (2 c a - Q) S_odd,    yz alike
 

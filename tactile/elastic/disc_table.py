@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.support import Floats, InputError, Integers
 from tactile.elastic.medium import FieldQuantity, Medium
-from tactile.elastic.profiles import Profile
+from tactile.elastic.profiles import HERTZ, Profile
 from tactile.elastic.unit_disc import EVEN, ODD, RZ, TWIST, ZR, ZZ, half_space, layer
 
 FAR = 400.0
@@ -22,6 +22,8 @@ KINDS = ([ZZ, RZ], [ZR, EVEN, ODD], [TWIST])
 TAIL = 16.0
 """Logarithm by which the layer's waves have decayed beyond the accuracy where they are cut: the remainder grows like
 the third power of the wavenumber."""
+WHOLE = 46.0
+"""The same where the remainder is rounding."""
 FAINT = 0.01
 """Share of the peak down to which the error is also limited relative to the local field, for taxels next to a load."""
 SHORTEST = 0.002
@@ -91,6 +93,14 @@ def disc_table(
         )
     ratio = depth / medium.thickness if medium.thickness < DEEPEST * depth else 0.0
     return _table(round(ratio, 12), top, profile, unit / depth, medium.nu, medium.quantity, accuracy, whole)
+
+
+def point_functions(rho: Floats, ratio: float, medium: Medium) -> Floats:
+    """Return the six functions (distances, 6) of a point load at distances in depths, from 0 on, in the table's form.
+
+    Arguments: ``ratio`` of the taxels' depth and the layer's thickness.
+    """
+    return _Functions(ratio, HERTZ, np.inf, medium, True, WHOLE)._even(rho, np.zeros(1))[0]
 
 
 @lru_cache(maxsize=64)

@@ -48,46 +48,16 @@ def layer_field(thickness: float | None, depth: float, strain: bool) -> Floats:
 def _table(thickness: float, quantity: FieldQuantity) -> Floats:
     from scipy.interpolate import CubicSpline  # slow to import, and only for layers of a known thickness
 
+    from tactile.elastic.disc_table import point_functions  # imports SciPy's Bessel functions
+
     near = np.linspace(0, 1, PARTS + 1)
-    t = 1 / near[1:] ** 2 - 1
-    g = (1 + t) ** -2.5
-    normal, lean = (t - 2, 3.0) if quantity == "strain" else (-np.ones_like(t), 1.0)
-    values = np.stack([normal * g, -normal * g, lean * g, lean * g, 0 * g], axis=-1)
-    far = np.sqrt(t) >= FARTHEST * thickness
-    values[~far] += _added(np.sqrt(t[~far]), thickness, quantity)
-    values[far] = 0.0
-    spline = CubicSpline(near, np.concatenate([np.zeros((1, 5)), values]))
+    square = 1 / near[:0:-1] ** 2  # 1 + t, from right above outwards
+    rho = np.sqrt(square - 1)
+    zz, zr, rz, even, odd, _ = point_functions(rho, 1 / thickness, Medium(1.0, quantity=quantity)).T
+    root = np.sqrt(square)
+    values = np.stack([zz, zr / root, rz / root, 2 * odd / square, even + odd * (1 - 1 / square)], axis=-1)
+    values *= 4 * np.pi / 3 if quantity == "strain" else 2 * np.pi / 3
+    values[rho >= FARTHEST * thickness] = 0.0
+    spline = CubicSpline(near, np.concatenate([np.zeros((1, 5)), values[::-1]]))
     powers = spline.c[::-1] / PARTS ** np.arange(4)[:, None, None]
     return np.ascontiguousarray(np.moveaxis(powers, 0, -1))
-
-
-def _added(rho: Floats, thickness: float, quantity: FieldQuantity) -> Floats:
-    """Return the layer's share of the functions (n, 5) at distances in depths."""
-    from tactile.elastic.layer_loads import waves_of  # brings scipy's special functions
-
-    k, normal, normal_shear, shear_normal, shear, across = waves_of(1 / thickness, Medium(1.0, quantity=quantity))
-    from scipy.special import j0, j1  # as above
-
-    phase = k * (rho / thickness)[:, None]
-    some = np.maximum(phase, 1e-2)
-    zeroth = j0(phase)
-    first = np.where(phase > 1e-2, j1(phase) / some, 0.5 - phase**2 / 16)
-    # J2(p) / p^2, by its series where the difference would lose its digits
-    second = np.where(phase > 1e-1, (2 * first - zeroth) / np.maximum(phase, 1e-1) ** 2, _second(np.minimum(phase, 1)))
-    even, odd = (shear + across) / 2, (shear - across) / 2
-    turned = second @ (odd * k**2)
-    columns = (
-        zeroth @ normal,
-        first @ (normal_shear * k) / thickness,
-        first @ (shear_normal * k) / thickness,
-        2 * turned / thickness**2,
-        zeroth @ even + turned * (rho / thickness) ** 2,
-    )
-    size = 4 * np.pi / 3 if quantity == "strain" else 2 * np.pi / 3
-    return np.stack(columns, axis=-1) * (size / thickness**2)
-
-
-def _second(phase: Floats) -> Floats:
-    square = phase**2 / 4
-    out: Floats = (1 - square / 3 * (1 - square / 8 * (1 - square / 15))) / 8
-    return out

@@ -1,8 +1,9 @@
 """Strain or stress at taxels under all loads of a finger: direct sums, Fourier transforms, or a table of circles.
 
-The rule: points are summed directly, or by transforms where a large map lies on the taxels' own grid. Circles and
-twists are read from a table as fine as the accuracy. Circles that are wider than ``WIDEST`` depths, and all of them
-where the accuracy is finer than ``TABLES``, are integrated one by one; the table then gives only the layer's share.
+The rule: points on a half-space are summed directly; large maps on the taxels' own grid by transforms. Points on a
+layer, circles and twists are read from a table as fine as the accuracy. Circles that are wider than ``WIDEST`` depths,
+and all of them where the accuracy is finer than ``TABLES``, are integrated one by one; the table then gives only the
+layer's share.
 """
 
 import numpy as np
@@ -10,15 +11,13 @@ import numpy as np
 from cnnsim.support import Flags, Floats, InputError
 from tactile.core.loads import COLUMNS, PLACE
 from tactile.elastic.medium import Medium
-from tactile.elastic.sums.direct import direct_sum
+from tactile.elastic.sums.direct import FINEST, direct_sum
 from tactile.simulator.contacts.loads import Disc, Loads
 
 ACCURACY = 1e-4
 """Default error of a field, as a share of its peak."""
 TABLES = 1e-5
 """Finest accuracy at which the half-space is read from tables: finer ones take longer to make than most scenes."""
-FINEST = 1e-7
-"""Finest accuracy of a layer's share."""
 WIDEST = 6.0
 """Largest radius in depths of circles whose half-space field is read from a table."""
 FEWEST = 576
@@ -41,12 +40,12 @@ def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, accu
             f"taxels {depth * 1e3:g} mm deep in a cover of {medium.thickness * 1e3:g} mm, a thickness of at least the "
             "depth wanted"
         )
-    values = _sum_points(positions, depth, loads.points, medium)
+    values = _sum_points(positions, depth, loads.points, medium, accuracy)
     for pattern in loads.patterns:
         count = max(1, AT_ONCE // max(1, pattern.count(accuracy)))
         for start in range(0, len(values), count):
             part = slice(start, start + count)
-            values[part] += _sum_points(positions, depth, pattern.of_frames(part).points(accuracy), medium)
+            values[part] += _sum_points(positions, depth, pattern.of_frames(part).points(accuracy), medium, accuracy)
     at = positions.reshape(-1, 2)
     flat = values.reshape(len(values), len(at), 3)
     for disc in loads.discs:
@@ -59,11 +58,11 @@ def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, accu
     return values
 
 
-def _sum_points(positions: Floats, depth: float, points: Floats, medium: Medium) -> Floats:
+def _sum_points(positions: Floats, depth: float, points: Floats, medium: Medium, accuracy: float) -> Floats:
     from tactile.elastic.sums.spectral import grid_sum  # imports SciPy's transforms
 
     values = grid_sum(positions, depth, points, medium) if points.shape[1] >= FEWEST else None
-    return direct_sum(positions, depth, points, medium) if values is None else values
+    return direct_sum(positions, depth, points, medium, max(accuracy, FINEST)) if values is None else values
 
 
 def _add_disc(values: Floats, at: Floats, depth: float, disc: Disc, medium: Medium, accuracy: float) -> None:

@@ -1,4 +1,4 @@
-"""Direct sum of point loads on a half-space or layer: every load, every taxel, every frame, compiled."""
+"""Sum of point loads, compiled: of the closed form on a half-space, of a table on a layer."""
 
 import math
 
@@ -11,6 +11,7 @@ from cnnsim.support.compiled_loops import kept_helper, kept_njit
 from tactile.core.loads import F, Q, R, X, Y
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
+from tactile.elastic.profiles import HERTZ
 
 THICKEST = 1e8
 """Thickness in depths above which a layer is a half-space to rounding."""
@@ -20,17 +21,22 @@ BLOCK = 256
 """Taxels in a block, whose places and sums fit the first-level cache."""
 MANY = 24
 """Fewest loads in a frame for which the loop over loads is the inner one."""
+FINEST = 1e-7
+"""Finest accuracy of the field on a layer."""
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
-def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium) -> Floats:
-    """Return the readings of taxels in every frame: ``halfspace.point_load`` and the layer's share, compiled.
+def direct_sum(
+    positions: ArrayLike, depth: float, loads: ArrayLike, medium: Medium, accuracy: float = FINEST
+) -> Floats:
+    """Return the readings of taxels in every frame.
 
     Arguments: ``positions`` (..., 2) taxel centres [m]; ``depth`` z [m]; ``loads`` (frames, n, 5), rows
-    (x, y, Q, R, F) [m, m, N, N, N]. Returns (frames, ..., 3).
+    (x, y, Q, R, F) [m, m, N, N, N]; ``accuracy`` on a layer, relative to the peak under a load; on a half-space the sum
+    is exact to rounding. Returns (frames, ..., 3).
 
     Raises:
-        InputError: as ``halfspace.point_load``.
+        InputError: as ``halfspace.point_load``; taxels below the layer.
     """
     scale, trace = point_scale(depth, medium)
     at = np.asarray(positions, dtype=np.float64)
@@ -41,15 +47,19 @@ def direct_sum(positions: ArrayLike, depth: float, loads: ArrayLike, medium: Med
         raise InputError(f"loads of shape {rows.shape}, (frames, n, 5) wanted")
     x, y = (np.ascontiguousarray(at[..., axis]).ravel() for axis in (0, 1))
     frames = len(rows)
+    if medium.thickness <= THICKEST * depth:
+        from tactile.elastic.disc_loops import add_discs  # these import SciPy's Bessel functions
+        from tactile.elastic.disc_table import disc_table
+
+        out, none = np.zeros((frames, x.size, 3)), np.zeros(rows.shape[:2])
+        table = disc_table(depth, 0.0, HERTZ, math.inf, medium, accuracy)
+        add_discs(out, at.reshape(-1, 2), depth, rows, none, table, medium)
+        return out.reshape(frames, *at.shape[:-1], 3)
     out = np.empty((frames, x.size, 3))
     if rows.shape[0] * rows.shape[1] * x.size < SERIAL_BELOW:
         _sum_frames(x, y, rows, out, 0, frames, 1 / depth, trace, scale)
     else:
         _sum_parallel(x, y, rows, out, get_num_threads(), 1 / depth, trace, scale)
-    if medium.thickness <= THICKEST * depth:
-        from tactile.elastic.sums.layer_sum import add_layer_term  # imports SciPy's Bessel functions
-
-        add_layer_term(out, at.reshape(-1, 2), depth, rows, medium)
     return out.reshape(frames, *at.shape[:-1], 3)
 
 

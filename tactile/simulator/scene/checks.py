@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from cnnsim.support import InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.values import is_number, is_whole
-from tactile.simulator.summation import FINEST
+from tactile.elastic.sums.direct import FINEST
 
 if TYPE_CHECKING:
     from tactile.simulator.scene.scene import Scene

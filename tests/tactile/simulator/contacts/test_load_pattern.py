@@ -38,7 +38,7 @@ def test_points_and_cells_give_the_field_of_all_cells(moves: bool, pull: float, 
         wanted.append(layered_load(AT, DEPTH, rows, medium))
     peak = np.abs(wanted).max()
     assert totals[:, 4].min() == 0 < totals[:, 4].max()
-    for accuracy, bound in ((1e-3, 1e-3), (1e-4, 1e-4), (0.0, 1e-12)):
+    for accuracy, bound in ((1e-3, 1e-3), (1e-4, 1e-4), (0.0, 1e-12 if np.isinf(thickness) else 1e-7)):
         felt = field_at(AT, DEPTH, loads, medium, accuracy=accuracy)[:: frames // 20]
         assert np.abs(felt - wanted).max() <= bound * peak
     stress = replace(medium, quantity="stress", modulus=2e6)
