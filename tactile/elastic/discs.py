@@ -4,11 +4,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cnnsim.support import Floats, InputError
-from tactile.core.loads import FORCE, F, Q, R, X, Y
+from tactile.core.loads import COLUMNS, F, Q, R, X, Y
 from tactile.elastic.gauss import gauss
 from tactile.elastic.halfspace import check_loads, point_scale
 from tactile.elastic.medium import Medium
-from tactile.elastic.profiles import HERTZ, Profile
+from tactile.elastic.profiles import Profile
 
 WIDEST = 100.0
 """Largest radius over depth for which the quadrature is accurate."""
@@ -31,63 +31,37 @@ def disc_load(
 
         T_i = (P_i dV/dz - z P_j d2V/(dx_i dx_j)) / (2 pi),    c (T_x, T_y, T_z - n P . grad(V) / pi)
 
-    Arguments: ``positions`` (..., 2) [m]; ``depth`` [m]; ``loads`` (..., n, 5) rows (x, y, Q, R, F) [m, N], the
-    tangential components spread like the normal one; ``radii`` (..., n) [m], 0 for a point; ``lam`` (..., n) as in
-    ``Profile``. Returns (..., 3). Good to rounding for radii up to three depths, to about 1e-6 of the largest value
-    at 100.
+    and a twist M of a circle that sticks, whose traction is -M/2 times the slope of the unit pressure (under Hertz'
+    3 M r / (4 pi a^3 sqrt(a^2 - r^2))), (sigma_xz, sigma_yz) = -(M / 4 pi) d2V/(d rho dz) (-y, x) / rho.
+
+    Arguments: ``positions`` (..., 2) [m]; ``depth`` [m]; ``loads`` (..., n, 5 or 6) rows (x, y, Q, R, F) [m, N], the
+    tangential components spread like the normal one, and M [N m], from x to y, where there is a sixth; ``radii``
+    (..., n) [m], 0 for a point; ``lam`` (..., n) as in ``Profile``. Returns (..., 3). Good to rounding for radii up to
+    three depths, to about 1e-6 of the largest value at 100.
 
     Raises:
         InputError: wrong shapes, a negative radius, a radius of more than 100 depths.
 
-    Source: Johnson, Contact Mechanics, sects 3.2, 3.6.
+    Source: Johnson, Contact Mechanics, sects 3.2, 3.6, eq. (3.108); Reissner and Sagoci (1944).
     """
     scale, trace = point_scale(depth, medium)
-    at, rows = np.asarray(positions, dtype=np.float64), check_loads(loads)
+    at, rows = np.asarray(positions, dtype=np.float64), np.asarray(loads, dtype=np.float64)
+    twisted = rows.shape[-1:] == (COLUMNS + 1,)
+    check_loads(rows[..., :COLUMNS] if twisted else rows)
     x = (at[..., 0, None] - rows[..., X]) / depth
     y = (at[..., 1, None] - rows[..., Y]) / depth
     size = np.asarray(radii, dtype=np.float64) / depth
-    a, b, c, h = potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., FORCE] != 0).any(axis=-1))
+    a, b, c, h = potential(np.hypot(x, y), size, profile, np.asarray(lam), (rows[..., Q:] != 0).any(axis=-1))
     q, r, f = rows[..., Q], rows[..., R], rows[..., F]
     s = q * x + r * y
     t_x = q * (b - a) - x * (h * s + f * c)
     t_y = r * (b - a) - y * (h * s + f * c)
+    if twisted:
+        swirl = rows[..., COLUMNS] / (2 * depth) * c
+        t_x, t_y = t_x + swirl * y, t_y - swirl * x
     # d2V/dz2 = -2 a - rho^2 h, for V is harmonic
     t_z = f * (b + 2 * a + (x * x + y * y) * h) - c * s - trace * (a * s + b * f)
     return scale * np.stack([t_x.sum(-1), t_y.sum(-1), t_z.sum(-1)], axis=-1)
-
-
-def twist_load(
-    positions: ArrayLike,
-    depth: float,
-    twists: ArrayLike,
-    radii: ArrayLike,
-    medium: Medium,
-    profile: Profile = HERTZ,
-    lam: ArrayLike = 0.0,
-) -> Floats:
-    """Return the strain or stress under a circle that sticks and is twisted about its axis.
-
-    The traction q = 3 M r / (4 pi a^3 sqrt(a^2 - r^2)) is -M/2 times the slope of Hertz' pressure of unit force, so
-    that with V the potential of that pressure (sigma_xz, sigma_yz) = -(M / 4 pi) d2V/(d rho dz) (-y, x) / rho.
-
-    Arguments: ``twists`` (..., n, 3) rows (x, y, M) [m, m, N m], M from x to y; ``radii`` (..., n) [m]; ``profile``
-    whose slope is the traction; the others as ``disc_load``.
-
-    Raises:
-        InputError: as ``disc_load``.
-
-    Source: Reissner and Sagoci (1944); Johnson, Contact Mechanics, eq. (3.108).
-    """
-    rows = np.asarray(twists, dtype=np.float64)
-    if rows.ndim < 2 or rows.shape[-1] != 3 or not np.isfinite(rows).all():
-        raise InputError(f"twists of shape {rows.shape}, (n, 3) with finite rows (x, y, M) wanted")
-    at, (scale, _) = np.asarray(positions, dtype=np.float64), point_scale(depth, medium)
-    x = (at[..., 0, None] - rows[..., 0]) / depth
-    y = (at[..., 1, None] - rows[..., 1]) / depth
-    size = np.asarray(radii, dtype=np.float64) / depth
-    around = potential(np.hypot(x, y), size, profile, np.asarray(lam), rows[..., 2] != 0)[2]
-    swirl = scale / (2 * depth) * rows[..., 2] * around
-    return np.stack([(swirl * y).sum(-1), -(swirl * x).sum(-1), np.zeros(swirl.shape[:-1])], axis=-1)
 
 
 def potential(

@@ -9,7 +9,7 @@ layer's share.
 import numpy as np
 
 from cnnsim.support import Flags, Floats, InputError
-from tactile.core.loads import COLUMNS, PLACE
+from tactile.core.loads import PLACE
 from tactile.elastic.medium import Medium
 from tactile.elastic.sums.direct import FINEST, direct_sum
 from tactile.simulator.contacts.loads import Disc, Loads
@@ -48,12 +48,7 @@ def field_at(positions: Floats, depth: float, loads: Loads, medium: Medium, accu
             values[part] += _sum_points(positions, depth, pattern.of_frames(part).points(accuracy), medium, accuracy)
     at = positions.reshape(-1, 2)
     flat = values.reshape(len(values), len(at), 3)
-    for disc in loads.discs:
-        _add_disc(flat, at, depth, disc, medium, accuracy)
-    for twist in loads.twists:
-        rows = np.zeros((*twist.radii.shape, COLUMNS + 1))
-        rows[..., [0, 1, COLUMNS]] = twist.twists
-        disc = Disc(rows, twist.radii, twist.profile, twist.unit, twist.owner)
+    for disc in (*loads.discs, *loads.twists):
         _add_disc(flat, at, depth, disc, medium, accuracy)
     return values
 
@@ -89,13 +84,9 @@ def _add_disc(values: Floats, at: Floats, depth: float, disc: Disc, medium: Medi
 
 def _add_integrated(values: Floats, at: Floats, depth: float, disc: Disc, these: Flags, medium: Medium) -> None:
     """Add the half-space's readings under ``these`` (frames, n) circles by quadrature."""
-    from tactile.elastic.discs import disc_load, twist_load
+    from tactile.elastic.discs import disc_load
 
     kept = these.any(axis=0)
     rows = np.where(these[..., None], disc.loads, 0)[:, None, kept]
     radii = np.where(these, disc.radii, 0)[:, None, kept]
-    lam = radii / disc.unit
-    if rows.shape[-1] == COLUMNS:
-        values += disc_load(at, depth, rows, radii, disc.profile, medium, lam)
-    else:
-        values += twist_load(at, depth, rows[..., [0, 1, COLUMNS]], radii, medium, disc.profile, lam)
+    values += disc_load(at, depth, rows, radii, disc.profile, medium, radii / disc.unit)

@@ -8,7 +8,7 @@ import numpy as np
 
 from cnnsim.support import Floats, Integers
 from tactile.core.loads import COLUMNS
-from tactile.elastic.profiles import HERTZ, Profile
+from tactile.elastic.profiles import Profile
 
 if TYPE_CHECKING:
     from tactile.simulator.contacts.load_pattern import PatternLoads
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 class Disc:
     """Loads over circles: ``loads`` (frames, k, 5), ``radii`` (frames, k) [m]; ``owner`` (k,) contacts.
 
+    Of a twist ``loads`` are (frames, k, 6), rows (x, y, 0, 0, 0, M) [m, N m]; the slope of the profile is the traction.
+
     ``unit`` [m]: the profile's lam is the radius over it, infinite where it has none.
     """
 
@@ -26,20 +28,6 @@ class Disc:
     profile: Profile
     unit: float
     owner: Integers
-
-
-@dataclass(frozen=True)
-class Twist:
-    """Twisted circles: ``twists`` (frames, k, 3) rows (x, y, M) [m, m, N m], ``radii`` (frames, k) [m].
-
-    ``profile``: the pressure whose slope is the traction; ``unit`` [m] as of a `Disc`.
-    """
-
-    twists: Floats
-    radii: Floats
-    owner: Integers
-    profile: Profile = HERTZ
-    unit: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -54,7 +42,7 @@ class Loads:
     points: Floats
     owner: Integers
     discs: tuple[Disc, ...] = ()
-    twists: tuple[Twist, ...] = ()
+    twists: tuple[Disc, ...] = ()
     patterns: "tuple[PatternLoads, ...]" = ()
 
     @property
@@ -76,7 +64,7 @@ class Loads:
             self.points[part],
             self.owner,
             tuple(replace(one, loads=one.loads[part], radii=one.radii[part]) for one in self.discs),
-            tuple(replace(one, twists=one.twists[part], radii=one.radii[part]) for one in self.twists),
+            tuple(replace(one, loads=one.loads[part], radii=one.radii[part]) for one in self.twists),
             tuple(one.of_frames(part) for one in self.patterns),
         )
 

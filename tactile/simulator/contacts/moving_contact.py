@@ -11,14 +11,14 @@ from cnnsim.support import Floats, InputError
 from cnnsim.support.errors import shown
 from cnnsim.support.keywords import spelled
 from cnnsim.support.values import is_number
-from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q, X, Y
+from tactile.core.loads import COLUMNS, PLACE, SHEAR, F, Q
 from tactile.elastic.adhesion import AdhesionLaw
 from tactile.elastic.medium import Medium
 from tactile.elastic.profiles import HERTZ, Profile
 from tactile.simulator.contacts.friction import FrictionState
 from tactile.simulator.contacts.friction_history import FrictionHistory, history
 from tactile.simulator.contacts.indenter import LAWS, Indenter
-from tactile.simulator.contacts.loads import Disc, Loads, Twist
+from tactile.simulator.contacts.loads import Disc, Loads
 from tactile.simulator.contacts.mounting import STILL, Rig, at_a_point
 from tactile.simulator.contacts.moving_load import along_path, checked_path, path_array, span
 from tactile.simulator.contacts.shapes import LineShape
@@ -200,15 +200,16 @@ class MovingContact:
             radii[:, 1:] = inner[0].radii
         profile, unit = body.profile(medium)
         owner = np.zeros(discs.shape[1], np.int64)
-        twists: tuple[Twist, ...] = ()
+        twists: tuple[Disc, ...] = ()
         if rows[:, TORQUE].any():
             torque = rows[:, TORQUE]
             if self.friction is not None:  # the sliding torque: friction under the pressure
                 lever = profile.mean_radius(radii[:, 0] / unit) * radii[:, 0]
                 limit = self.friction * np.maximum(rows[:, F], 0) * lever
                 torque = np.clip(torque, -limit, limit)
-            turned = np.stack([rows[:, X], rows[:, Y], torque], axis=-1)
-            twists = (Twist(turned[:, None], radii[:, :1], owner[:1], *_twist_profile(radii[:, :1], medium)),)
+            turned = np.zeros((len(rows), 1, COLUMNS + 1))
+            turned[:, 0, PLACE], turned[:, 0, TORQUE] = rows[:, PLACE], torque
+            twists = (Disc(turned, radii[:, :1], *_twist_profile(radii[:, :1], medium), owner[:1]),)
         points = np.empty((len(rows), 0, COLUMNS))
         return Loads(
             rows[:, None, :COLUMNS], points, owner[:0], (Disc(discs, radii, profile, unit, owner), *inner), twists

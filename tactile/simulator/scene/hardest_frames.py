@@ -74,7 +74,7 @@ def _hardest(field: Field) -> Floats:
         np.add.at(sums, pattern.owner, _sizes(pattern.rows[..., FORCE]))
     for twist in loads.twists:  # its tractions, 3 M r / (4 pi a^3 sqrt(a^2 - r^2)), add up to 3 pi M / 8 a
         wide = np.where(twist.radii > 0, twist.radii, np.inf)
-        np.add.at(sums, twist.owner, (3 * np.pi / 8 * np.abs(twist.twists[..., 2]) / wide).T)
+        np.add.at(sums, twist.owner, (3 * np.pi / 8 * np.abs(twist.loads[..., COLUMNS]) / wide).T)
     return np.asarray(sums.max(axis=1, initial=0.0))
 
 

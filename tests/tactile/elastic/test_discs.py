@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cnnsim.support import InputError
-from tactile.elastic.discs import disc_load, twist_load
+from tactile.elastic.discs import disc_load
 from tactile.elastic.halfspace import point_load
 from tactile.elastic.medium import FieldQuantity, Medium
 from tactile.elastic.profiles import (
@@ -147,7 +147,7 @@ def test_a_twist_is_many_turning_points() -> None:
     for nu, quantity in ((0.5, "strain"), (0.2, "strain"), (0.2, "stress")):
         medium = Medium(2.0, nu, quantity)  # type: ignore[arg-type]  # a loop
         wanted = point_load(at, 0.6, np.concatenate([places + np.array((0.1, 0.2)), forces], axis=1), medium)
-        got = twist_load(at, 0.6, [[0.1, 0.2, 1.0]], [1.0], medium)
+        got = disc_load(at, 0.6, [[0.1, 0.2, 0, 0, 0, 1.0]], [1.0], HERTZ, medium)
         assert np.abs(got - wanted).max() < 1e-10 * np.abs(wanted).max()
 
 
@@ -159,8 +159,6 @@ def test_wrong_circles_are_refused() -> None:
         disc_load((0, 0), 1e-3, load, [-1.0], HERTZ, Medium(1.0))
     with pytest.raises(InputError, match="tip radius"):
         round_tip_radius(1.0, 0.0, 1.0)
-    with pytest.raises(InputError, match="twists"):
-        twist_load((0, 0), 1.0, [[0, 0, 0, 1]], [1.0], Medium(1.0))
 
 
 def test_waves_right_under_a_circle_are_as_good_as_far_from_it() -> None:

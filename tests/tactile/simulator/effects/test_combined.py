@@ -49,7 +49,7 @@ def superposed(field: Field, around: int = 48, along: int = 40) -> NDArray[np.fl
             forces = np.broadcast_to(share[:, None, None] * load[2:], (along, around, 3))
             points.append(np.concatenate([places, forces], axis=-1).reshape(-1, 5))
     for twist in field.loads.twists:
-        (x, y, torque), radius = twist.twists[0, 0], twist.radii[0, 0]
+        (x, y, *_, torque), radius = twist.loads[0, 0], twist.radii[0, 0]
         # q = 3 M r / (4 pi a^3 sqrt(a^2 - r^2)), along (-s, c)
         force = 3 * torque / (4 * np.pi * radius) * r**2 * step * 2 * np.pi / around
         places = (x, y) + radius * r[:, None, None] * unit
