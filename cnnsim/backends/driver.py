@@ -60,9 +60,10 @@ def run_with_checks(plan: Plan, stepper: SettlingStepper) -> Outcome:
         else:
             stepper.advance(step, count)
             step += count
+            if step < plan.steps:
+                stepper.wait()
         if check.settled or step == plan.steps:
             pace.over()
             t = step * plan.step if settling else float(plan.duration)
             return Outcome(stepper.finish(), t, check.settled, check.rate, check.saturated)
-        stepper.wait()
         pace.turn(step, check.rate)

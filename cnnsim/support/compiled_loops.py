@@ -98,11 +98,19 @@ class _Loops(CompileResultCacheImpl):  # type: ignore[misc]  # numba says nothin
 
 
 class _Cache(FunctionCache):  # type: ignore[misc]  # the same
-    """Numba's cache of one function; a full disk is ignored."""
+    """Numba's cache of one function; with a damaged file the function is compiled again; a full disk is ignored."""
 
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self._impl_class = lambda function: _Loops(function, options)
         super().__init__(function)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # a damaged pickle can raise any exception
+            with suppress(OSError):
+                self.flush()
+            return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         with suppress(OSError):

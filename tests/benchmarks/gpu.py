@@ -110,7 +110,7 @@ def main(any_device: bool, folder: Path) -> None:
         raise InputError("the default OpenCL device is no GPU; set CNNSIM_DEVICE, or --any-device wanted")
     facts = asdict(next(device for device in devices() if device.chosen))
     print("\n".join(f"{key}: {value}" for key, value in facts.items()), flush=True)
-    tests = [f"tests/backends/{name}" for name in ("conformance/test_cases.py", "opencl/test_programs.py")]
+    tests = [f"tests/backends/{name}" for name in ("conformance/test_cases.py", "opencl/test_counts.py")]
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-k", f"({SUBSET}) or frame", *tests]
     failed = subprocess.run(command, cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False).returncode
     sides = (512, 2048, 8192, 16384) if is_gpu else (256,)

@@ -1,5 +1,7 @@
 """The OpenCL backend for its own tests; modules that import this are skipped if there is no device."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -7,6 +9,7 @@ import pytest
 cl = pytest.importorskip("pyopencl", reason="the opencl backend needs pyopencl")
 
 from cnnsim.backends.opencl import backend as opencl  # noqa: E402 - only where pyopencl is there
+from cnnsim.backends.opencl.device.counts import Counts  # noqa: E402
 from cnnsim.backends.opencl.device.devices import Family, all_devices, choose_device, family_of  # noqa: E402
 
 if not all_devices():
@@ -25,4 +28,12 @@ class OpenCLBackend(opencl.OpenCLBackend):
         super().__init__(dtype, device, family)
 
 
-__all__ = ["FAMILIES", "Family", "OpenCLBackend", "cl"]
+__all__ = ["FAMILIES", "Family", "OpenCLBackend", "cl", "counted"]
+
+
+def counted(backend: OpenCLBackend, work: Callable[[], object]) -> Counts:
+    """Do some work a second time, when everything is compiled and in tables, and return its counts."""
+    work()
+    backend._context.counts = Counts()
+    work()
+    return replace(backend._context.counts)

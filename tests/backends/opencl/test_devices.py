@@ -116,6 +116,26 @@ def test_pocl_keeps_its_kernels_where_only_this_user_writes(monkeypatch: pytest.
     assert Path(os.environ[kernel_cache.VARIABLE]).is_relative_to(tmp_path)
 
 
+def test_the_cache_is_emptied_after_a_process_that_ended_at_a_first_use(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv(kernel_cache.VARIABLE, str(tmp_path))
+    entry = tmp_path / "KA" / "program.bc"
+    entry.parent.mkdir()
+    entry.write_bytes(b"damaged")
+    (tmp_path / "other.txt").touch()
+    device = opencl_devices.choose_device()
+    with kernel_cache.first_use(device):  # a process that still runs
+        kernel_cache.prepare_cache.__wrapped__()
+    kernel_cache.prepare_cache.__wrapped__()
+    assert entry.exists()
+    built = cl.Program(cl.Context([device]), "kernel void one() {}").build(options=["-w"])
+    with pytest.raises(InputError, match="is damaged"), kernel_cache.first_use(device):
+        cl.Kernel(built, "two")
+    kernel_cache.prepare_cache.__wrapped__()
+    assert [path.name for path in tmp_path.iterdir()] == ["other.txt"]
+
+
 def test_what_pocl_needs_is_said_where_nothing_builds(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pocl, "remark", lambda device: "set IT=auto")
     backend = OpenCLBackend()

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed
+from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
 from cnnsim.backends import get, slices
 from cnnsim.backends.opencl import patch_steps
 from cnnsim.backends.opencl.patch_steps import Patch
 from cnnsim.task import make_task
-from tests.kits.opencl import OpenCLBackend
+from tests.kits.opencl import OpenCLBackend, counted
 
 NINE = np.arange(1, 10).reshape(3, 3) * 0.03 * np.array([[1, -1, 1], [-1, 1, 1], [1, 1, -1]])
 SHAPES = [(7, 9), (40, 53), (2, 13, 30)]
@@ -45,3 +45,26 @@ def test_slices_within_a_time_constant_change_nothing(shape: tuple[int, ...], mo
         monkeypatch.setattr(slices, "FIRST", first)
         task = make_task(Template(NINE), state=x, boundary=ZERO_FLUX, scheme="euler", step=0.1, limit=limit)
         assert_ends_alike(task, backend, 0.0)
+
+
+def test_a_grid_in_one_group_settles_in_one_launch_and_a_batch_in_two() -> None:
+    """The drive of the input, the launch, and the search for numbers that are not finite; the words of the checks."""
+    entry, rng = library.load("hole-filler"), np.random.default_rng(1)
+    backend = OpenCLBackend("float32", family="gpu")
+    for shape, launches in (((8, 8), 4), ((5, 8, 8), 5)):
+        picture = np.where(rng.random(shape) < 0.4, 1.0, -1.0)
+        task = make_task(entry.network, **entry.task(picture))
+        counts = counted(backend, lambda task=task: task.start(backend))  # type: ignore[misc]
+        assert (counts.launches, counts.waits) == (launches, 2)
+
+
+def test_the_host_waits_once_in_sixteen_checks_of_a_large_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in {"FIRST": 1 << 40, "SLICE": 1e3}.items():  # no wait for signals
+        monkeypatch.setattr(slices, name, value)
+    picture = np.where(np.random.default_rng(1).random((40, 53)) < 0.4, 1.0, -1.0)
+    entry, backend = library.load("hole-filler"), OpenCLBackend("float32", family="gpu")
+    task = make_task(entry.network, **entry.task(picture))
+    counts = counted(backend, lambda: task.start(backend))
+    checks = task.start(backend).t
+    assert counts.waits == 1 + -(-(checks + 1) // 16)
+    assert counts.launches == 2 + (counts.waits - 1) * (1 + 16 * 3), "three launches of up to four steps a check"

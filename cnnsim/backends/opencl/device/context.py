@@ -3,7 +3,7 @@
 import ctypes
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from threading import RLock
 from time import sleep
@@ -14,7 +14,9 @@ import pyopencl as cl
 from pyopencl.tools import ImmediateAllocator, MemoryPool
 
 from cnnsim.backends.opencl.device.build import Defines, build, code_defines, define_lines, source
+from cnnsim.backends.opencl.device.counts import Counts
 from cnnsim.backends.opencl.device.devices import Family, check_not_forked
+from cnnsim.backends.opencl.device.kernel_cache import first_use
 from cnnsim.backends.opencl.device.pocl import has_wide_vectors, name_processor
 from cnnsim.backends.slices import pieces
 from cnnsim.support import InputError
@@ -70,7 +72,7 @@ class DeviceContext:
     def __init__(self, device: cl.Device, family: Family, dtype: np.dtype[Any]) -> None:
         self.device, self.family, self.dtype = device, family, dtype
         self.context, self.queue, self._pool = _context_of(device)
-        self.lock = _Lock(self.queue)
+        self.lock, self.counts = _Lock(self.queue), Counts()
         wide = dtype == np.float32 and has_wide_vectors(device)
         self.lanes = (WIDE_LANES if wide else LANES) if family == "cpu" else 1
         self.cores = device.max_compute_units
@@ -94,6 +96,7 @@ class DeviceContext:
         """Return a buffer of at least ``size`` bytes with any contents; released memory is used again."""
         if size >= IN_PLACE and self._pool.managed_bytes - self._pool.active_bytes > SPARE * size:
             self._pool.free_held()
+        self.counts.buffers += 1
         with self._enough_memory(size):
             return cast(Buffer, self._pool.allocate(size))  # it is used as one
 
@@ -130,20 +133,26 @@ class DeviceContext:
 
     def load(self, host: np.ndarray[Any, Any], flags: int) -> Buffer:
         """Return a buffer of the numbers of an array."""
+        self.counts.buffers += 1
+        self.counts.to_device += 0 if flags & cl.mem_flags.USE_HOST_PTR else host.nbytes
         with self._enough_memory(host.nbytes):
             return cl.Buffer(self.context, flags, hostbuf=host)
 
     def read(self, buffer: Buffer, host: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         """Wait for the device and copy the first numbers of a buffer to an array; return the array."""
+        self.counts.waits += 1
+        self.counts.from_device += host.nbytes
         cl.enqueue_copy(self.queue, host, buffer)
         return host
 
     def clear(self, buffer: Buffer, size: int) -> None:
         """Fill the first ``size`` bytes of a buffer, a multiple of 8, with 0."""
+        self.counts.launches += 1
         cl.enqueue_fill_buffer(self.queue, buffer, np.zeros(1, np.int64), 0, size)
 
     def wait(self) -> None:
         """Wait until all launches are done."""
+        self.counts.waits += 1
         self.queue.finish()
 
     def kernel(self, name: str, stems: str, defines: Defines, extra: str = "") -> cl.Kernel:
@@ -151,10 +160,11 @@ class DeviceContext:
         lines = self._basics + define_lines(defines)
         key = (stems, lines, extra, name)
         if key not in self._kernels:
-            if key[:-1] not in self._programs:
-                text = lines + "".join(map(source, ["common", *stems.split()])) + extra
-                self._programs[key[:-1]] = build(self.context, self.device, text, name)
-            self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
+            with first_use(self.device):
+                if key[:-1] not in self._programs:
+                    text = lines + "".join(map(source, ["common", *stems.split()])) + extra
+                    self._programs[key[:-1]] = build(self.context, self.device, text, name)
+                self._kernels[key] = cl.Kernel(self._programs[key[:-1]], name)
         return self._kernels[key]
 
     def launch(self, kernel: cl.Kernel, work: int, *arguments: Any) -> int:
@@ -170,16 +180,18 @@ class DeviceContext:
 
     def enqueue(self, kernel: cl.Kernel, global_size: Any, local_size: Any, *arguments: Any) -> None:
         """Launch a kernel. Drivers compile at the first launch, for seconds, so Python waits where it hears signals."""
+        self.counts.launches += 1
         first = kernel not in self._launched
         if first:  # with known types all arguments are set in a microsecond, else in a hundred
             kernel.set_scalar_arg_dtypes([a.dtype if isinstance(a, np.generic) else None for a in arguments])
         kernel.set_args(*arguments)
-        event = cl.enqueue_nd_range_kernel(self.queue, kernel, global_size, local_size)
-        if first:
-            self.queue.flush()
-            while event.command_execution_status > cl.command_execution_status.COMPLETE:
-                sleep(POLL)
-            self._launched.add(kernel)
+        with first_use(self.device) if first else nullcontext():
+            event = cl.enqueue_nd_range_kernel(self.queue, kernel, global_size, local_size)
+            if first:
+                self.queue.flush()
+                while event.command_execution_status > cl.command_execution_status.COMPLETE:
+                    sleep(POLL)
+                self._launched.add(kernel)
 
     def pieces(self, count: int, work: float) -> Iterator[tuple[int, int]]:
         """Yield (first, count) of the pieces of ``count`` rows or tiles with ``work`` sums in each; wait in between.
@@ -193,6 +205,7 @@ class DeviceContext:
             if len(parts) > 1:
                 done = cl.enqueue_marker(self.queue)
                 if before is not None:
+                    self.counts.waits += 1
                     before.wait()
                 before = done
 
