@@ -163,5 +163,5 @@ def test_a_coupled_template_is_fitted_to_pairs() -> None:
     for picture, wanted in pairs:
         y = run_transient(found.template, state=np.ones(picture.shape), input=picture, boundary=fixed(-1)).y
         assert (y * wanted > 0.99).all()
-    again = fit(pairs, fixed(-1), initial_state=1.0, seed=2, generations=40)
-    assert np.array_equal(again.template.A, found.template.A)
+    one, other = (fit(pairs, fixed(-1), initial_state=1.0, seed=2, generations=2) for _ in range(2))
+    assert np.array_equal(one.template.A, other.template.A)
