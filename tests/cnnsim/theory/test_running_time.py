@@ -103,7 +103,7 @@ def test_a_contraction_is_known_by_its_norm() -> None:
     rest = run_transient(template, **task, duration=200.0).y
     schemes: tuple[dict[str, Any], ...] = ({}, EULER)
     for scheme in schemes:
-        assert np.abs(run_transient(template, **task, **scheme, duration=time).y - rest).max() <= TOLERANCE
+        assert np.abs(run_transient(template, **{**task, **scheme}, duration=time).y - rest).max() <= TOLERANCE
 
 
 def test_a_boundary_that_no_proof_covers_has_no_guarantee(monkeypatch: pytest.MonkeyPatch) -> None:
