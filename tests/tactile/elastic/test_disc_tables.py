@@ -11,7 +11,7 @@ from tactile.elastic.profiles import HERTZ
 from tests.oracles.elastic.layer import layer_load
 
 
-@pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-6])
 def test_tables_keep_their_accuracy_under_the_load_at_the_rim_and_at_the_largest_radius(accuracy: float) -> None:
     medium, widest = Medium(1.0), 3.6  # the largest of the table of size 2, nearly
     table = disc_table(1.0, float(table_size(np.array([widest]), 1.0, HERTZ, np.inf).max()), HERTZ, np.inf, medium,

@@ -32,7 +32,6 @@ def test_example_scenes_run_and_say_the_same_twice(path: Path) -> None:
     ("extra", "module"),
     [
         ("", None),
-        ("[effect.read_noise]\nrms = 0.1\n", "effects.read_noise"),
         ("[effect.finite_thickness]\nthickness_mm = 3\n", "effects.finite_thickness"),
     ],
 )
