@@ -13,7 +13,7 @@ from tactile.calibration.tare_check import TareNote, end_note, gap_note
 from tactile.core.frame import Frame, TaxelArray
 from tactile.core.frozen import Frozen
 from tactile.core.gaps import Gaps
-from tactile.core.noise import Noise, is_noise
+from tactile.core.noise import Noise
 from tactile.core.saturation import Saturation
 from tactile.events.code import Code, encode
 from tactile.events.comparators import BINARY, Comparators
@@ -53,6 +53,9 @@ class Finger:
 
     def _start(self) -> None:
         """Set the state before the first frame, and after a break of the stream, except that of the tare."""
+        from tactile.core.noise_numba import is_noise, is_within  # numba is slow to import
+
+        self._is_noise, self._is_within = is_noise, is_within
         array, modulus, settings = self.array, self._modulus, self._settings
         contact = settings.contact or CONTACT[array.quantity]
         machine = UniversalMachine(settings.backend, "float64")
@@ -129,6 +132,7 @@ class Finger:
         self.levels = levels(array.shape, array.quantity, chosen.sigmas, shear, chosen.contact, noise, early)
         self._signals.set_noise(noise, self.levels)
         self._left_out: Flags = np.zeros(array.shape, bool) if noise is None else noise.left_out
+        self._leaves_out = bool(self._left_out.any())
         self._floor = float(np.median(self.levels.off[..., 2]))
         if self._hidden is not None:
             self._hidden.set_levels(self.levels)
@@ -145,10 +149,10 @@ class Finger:
         if self._inverse is None:
             return summed(self._positions, frame.values, frame.valid, self._floor)
         values = frame.values
-        if not (frame.whole and not self._left_out.any()):
+        if not frame.whole or self._leaves_out:
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
         noise = self._per_sigma if frame.whole and self._saturated is None else None
-        if (np.abs(values) <= self._dead_band).all() or (noise is not None and is_noise(frame.values, noise)):
+        if self._is_within(values, self._dead_band) or (noise is not None and self._is_noise(frame.values, noise)):
             return NO_LOAD
         if self._point is not None and self._saturated is None:
             load = self._point(values, self._weights)
@@ -170,7 +174,7 @@ class Finger:
         self._signals.leave_out(left_out)
         if left_out is not self._left_out and (words := self._still.words()):
             self.tare.notes.append(TareNote(self._number, frame.t, words, None, "until it changes", notice=True))
-        all_used = frame.whole and not left_out.any()
+        all_used = frame.whole and not (self._leaves_out if left_out is self._left_out else left_out.any())
         use = frame.valid if all_used else frame.valid & ~left_out
         before = self._signals.planes.copy() if self._own else self._signals.planes
         contact = self._pool.black("in_contact")
@@ -196,7 +200,7 @@ class Finger:
             pool.set_logic("usable", use)
         pool.update(Moment(frame, array.quantity, self._signals, before, load, self._half, array.origin))
         if self._inverse is not None:
-            travels = self._travel.update(frame.t, load, bool(self.taxels.code.contact.any()))
+            travels = self._travel.update(frame.t, load, self.taxels.code.touched)
             if travels != self._travels:
                 self._travels = travels
                 pool.set_logic("travelling", travels)

@@ -6,7 +6,7 @@ import numpy as np
 
 from cnnsim.support import Floats
 from tactile.core.frame import NORMAL
-from tactile.core.noise import Noise, spread
+from tactile.core.noise import Noise, median, spread
 
 PARTS = 4
 """Parts of a block whose means are compared."""
@@ -54,7 +54,7 @@ def judge(block: Floats, noise: Noise, limit: Floats, inward: float | Floats) ->
     wanders = 2 * (far > 1).any(-1).sum() > max(far.shape[0] * far.shape[1], 2)
     # the sum shows a load that is within the noise of each taxel; a change common to most taxels is drift
     press = inward * block[..., NORMAL]
-    alone = press - np.nanmedian(press, axis=(1, 2), keepdims=True)
+    alone = press - median(press.reshape(len(press), -1))[:, None, None]
     whole = [np.nansum(part, axis=(1, 2)) for part in np.array_split(alone, PARTS)]
     means = np.array([one.mean() for one in whole])
     bound = float(np.median(limit[..., NORMAL])) / 2 * alone[0].size ** 0.5

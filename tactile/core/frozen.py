@@ -17,6 +17,9 @@ class Frozen:
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:
+        from tactile.core.frozen_numba import watch  # numba is slow to import
+
+        self._watch = watch
         self._before: Floats = np.full((*shape, 3), np.nan)
         self._run, self._most = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
         self._frozen: Flags = np.zeros(shape, bool)
@@ -24,14 +27,8 @@ class Frozen:
 
     def __call__(self, values: Floats, pressed: Flags, left_out: Flags) -> Flags:
         """Process a frame."""
-        same = (values == self._before).all(-1)
-        if not same.all():
-            self._before = values
-            self._run += 1
-            self._most = np.where(same, self._most, np.maximum(self._most, self._run))
-            self._run[~same] = 0
-            self._frozen = (self._run > np.maximum(LEAST, LONGER * self._most)) & (pressed | self._frozen)
-        if not self._frozen.any():
+        state = self._before, self._run, self._most, pressed, LEAST, LONGER, self._frozen
+        if not self._watch(np.ascontiguousarray(values, np.float64), *state):
             return left_out
         both = left_out | self._frozen
         return left_out if both.all() else both

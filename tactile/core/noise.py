@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import sqrt
 
 import numpy as np
 
@@ -18,8 +17,6 @@ FADE = 0.95
 """Factor by which earlier noise fades with each block."""
 UNLIKE = 2.0
 """Sigma over that of the median taxel, above which a taxel keeps its own value."""
-STRIKING = 6.0
-"""Sigma above which a reading is no noise: one of 768 reaches it by chance in one frame of a million."""
 MANY = 64
 """Number of taxels from which two frames give the noise to a tenth."""
 ROUNDING = 1e-6
@@ -100,19 +97,18 @@ def measured(block: Floats) -> Noise:
     do not count, unless most frames repeat. No component is below two thirds of the array's median, because few frames
     give a poor estimate.
     """
-    differs = np.any(np.diff(block, axis=0) != 0, axis=(1, 2, 3))
-    fresh = np.concatenate([block[:1], block[1:][differs]]) if 2 * differs.sum() > differs.size else block
-    series = np.ascontiguousarray(np.moveaxis(fresh, 0, -1))
-    sigma = _spread(series - _median(series)[..., None])
-    steps = np.diff(series)
+    differs = (block[1:] != block[:-1]).reshape(len(block) - 1, -1).any(-1)
+    many = 2 * differs.sum() > differs.size and not differs.all()
+    fresh = np.concatenate([block[:1], block[1:][differs]]) if many else block
+    sigma = spread(fresh)
     jitter = np.zeros_like(sigma)
     if len(fresh) > 2:  # about their median, so that a steady growth is no noise
-        jitter = _spread(steps - _median(steps)[..., None]) / np.sqrt(2)
-    still = (np.nanmax(block, axis=0) == np.nanmin(block, axis=0)).all(-1)
+        jitter = spread(fresh, steps=True) / np.sqrt(2)
+    still = (np.fmax.reduce(block) == np.fmin.reduce(block)).all(-1)
     dead = still & (2 * still.sum() < still.size)
     alive = np.where(dead[..., None], np.nan, sigma)
-    typical = np.nan_to_num(_median(alive.reshape(-1, 3).T))
-    calm = _median(jitter.reshape(-1, 3).T) * 2 / 3
+    typical = np.nan_to_num(median(alive.reshape(-1, 3).T))
+    calm = median(jitter.reshape(-1, 3).T) * 2 / 3
     fair = typical * (1 + LOW / len(fresh))
     return Noise(np.maximum(sigma, typical * 2 / 3), np.maximum(jitter, calm), dead, fair)
 
@@ -130,12 +126,9 @@ class Steps:
 
     def see(self, block: Floats) -> None:
         """Process frames (n, rows, cols, 3); NaN where a taxel did not read."""
-        change = np.diff(block, axis=0)
-        rounding = ROUNDING * np.nan_to_num(np.abs(block)).max(axis=0, initial=0.0)
-        up, down = (
-            np.where(sign * change > rounding, sign * change, np.inf).min(axis=0, initial=np.inf) for sign in (1, -1)
-        )
-        self._least = np.minimum(self._least, np.maximum(up, down))
+        from tactile.core.noise_numba import least_changes  # numba is slow to import
+
+        least_changes(block.reshape(len(block), -1), ROUNDING, self._least.reshape(-1))
 
     @property
     def floor(self) -> Floats:
@@ -156,21 +149,30 @@ def early_noise(before: Floats, now: Floats) -> Floats | None:
     if before[..., 0].size < MANY:
         return None
     steps = np.ascontiguousarray((now - before).reshape(-1, 3).T)
-    return np.broadcast_to(_spread(steps - _median(steps)[:, None]) / np.sqrt(2), before.shape)
+    return np.broadcast_to(_spread(steps - median(steps)[:, None]) / np.sqrt(2), before.shape)
 
 
-def spread(block: Floats) -> Floats:
-    """Return the robust standard deviation over frames (n, ...) about their median; 0 without readings."""
-    series = np.ascontiguousarray(np.moveaxis(block, 0, -1))
-    return _spread(series - _median(series)[..., None])
+def spread(block: Floats, *, steps: bool = False) -> Floats:
+    """Return the robust standard deviation over frames (n, ...) about their median, 0 without readings.
+
+    ``steps``: that of the changes from frame to frame.
+    """
+    from tactile.core.noise_numba import deviations  # numba is slow to import
+
+    series = np.moveaxis(block, 0, -1)
+    series = np.diff(series) if steps else np.array(series, np.float64, order="C")
+    series.sort()
+    found = np.empty(series.shape[:-1])
+    deviations(series.reshape(-1, series.shape[-1]), found.reshape(-1))
+    return found / NORMAL_MAD
 
 
 def _spread(series: Floats) -> Floats:
-    spread: Floats = np.nan_to_num(_median(np.abs(series, out=series))) / NORMAL_MAD
+    spread: Floats = np.nan_to_num(median(np.abs(series, out=series))) / NORMAL_MAD
     return spread
 
 
-def _median(series: Floats) -> Floats:
+def median(series: Floats) -> Floats:
     """Return the median along the last axis, ignoring NaN.
 
     One partition takes a fifth of the time of `numpy.median`, while live frames wait.
@@ -182,13 +184,3 @@ def _median(series: Floats) -> Floats:
     parted = np.partition(series, half)
     upper: Floats = parted[..., half]
     return upper if odd else (parted[..., :half].max(axis=-1) + upper) / 2
-
-
-def is_noise(values: Floats, per_sigma: Floats) -> bool:
-    """Return whether readings are consistent with noise: none is extreme, and their total power is plausible.
-
-    Arguments: ``values``; ``per_sigma``: 1 over the noise, 0 for ignored components; both (rows, cols, 3).
-    """
-    z = (values * per_sigma).ravel()
-    power = 1.3 * z.size + 6.5 * sqrt(2 * z.size)  # 6.5 sigma above a noise known to a seventh
-    return float(z @ z) < power and float(np.abs(z).max()) < STRIKING

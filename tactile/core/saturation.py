@@ -30,10 +30,8 @@ class Saturation:
     def __call__(self, values: Floats, jitter: Floats) -> Flags | None:
         """Process a frame; ``jitter`` (rows, cols, 3) is the unloaded noise from one reading to the next."""
         read = np.ascontiguousarray(values, np.float64)
-        self._watch(
-            read, self._before, jitter, BAND, self._ends, self._hits, self._steps, (LEAST, OFTEN), self._saturated
-        )
-        return self._saturated if self._saturated.any() else None
+        state = self._ends, self._hits, self._steps, LEAST, OFTEN, self._saturated
+        return self._saturated if self._watch(read, self._before, jitter, BAND, *state) else None
 
     def words(self, values: Floats) -> str:
         """Return the taxels that are saturated for the first time, with their readings; empty without any."""

@@ -4,14 +4,14 @@ from cnnsim.support.compiled_loops import kept_njit
 
 
 @kept_njit(error_model="numpy")
-def watch(values, before, jitter, band, ends, hits, steps, rule, saturated):  # type: ignore[no-untyped-def]
-    """Process the readings (rows, cols, 3) of a frame and mark the saturated taxels (rows, cols).
+def watch(values, before, jitter, band, ends, hits, steps, least, often, saturated):  # type: ignore[no-untyped-def]
+    """Process the readings (rows, cols, 3) of a frame and mark the saturated taxels (rows, cols); return whether any is.
 
     ``ends``, ``hits`` (rows, cols, 3, 2, and 2 for counts at the end point and near it) and ``steps`` (3,) are state;
-    ``rule``: least count at an end point, and its least ratio to the count near it. Non-finite readings are ignored.
+    ``least`` count at an end point, and ``often``, its least ratio to the count near it. Non-finite readings are ignored.
     """
-    least, often = rule
     rows, cols, _ = values.shape
+    found = False
     for i in range(rows):
         for j in range(cols):
             mark = False
@@ -35,3 +35,5 @@ def watch(values, before, jitter, band, ends, hits, steps, rule, saturated):  # 
                     elif end - at < band * jitter[i, j, k]:
                         count[1] += 1
             saturated[i, j] = mark
+            found = found or mark
+    return found

@@ -1,6 +1,7 @@
 """Event codes: encode traction planes as CNN inputs, decode comparator outputs to a ternary code."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +53,16 @@ class Code:
 
     def ternary(self) -> str:
         """Return two characters of -, 0, + per taxel (x, then y), row by row."""
+        return self._ternary
+
+    @cached_property
+    def _ternary(self) -> str:  # wanted for every frame, of a code that seldom changes
         return "".join("0+-"[value] for value in np.stack((self.x, self.y), axis=-1).ravel().tolist())
+
+    @cached_property
+    def touched(self) -> bool:
+        """Whether any taxel is in contact."""
+        return bool(self.contact.any())
 
     def direction(self) -> str:
         """Return the majority direction of the shear: "+x", "-y", "+x -y", or "about a point" without a majority."""

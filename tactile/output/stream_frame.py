@@ -2,10 +2,8 @@
 
 import json
 import math
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -68,7 +66,7 @@ class SlipMargins:
     def __call__(self, report: FrameReport) -> float:
         """Return the margin after this frame."""
         load, name = report.load, report.array.name
-        if not (report.array.shear and load.F > 0 and report.code.contact.any()):
+        if not (report.array.shear and load.F > 0 and report.code.touched):
             return math.nan
         ratio = math.hypot(load.Q, load.R) / load.F
         if ratio > 0 and any(event.kind == "slip" for event in report.events):
@@ -110,6 +108,9 @@ class FrameSink:
     """A sink that passes each frame to ``outputs``; ``convert.start_ns`` is the Unix time at which t is 0."""
 
     def __init__(self, arrays: tuple[TaxelArray, ...], outputs: Iterable[FrameOutput]) -> None:
+        from tactile.output.json_values_numba import write  # numba is slow to import
+
+        write(np.zeros((1, 1, 3)), np.ones((1, 1), bool), np.empty(61, np.uint8))  # compiled before the first frame
         self.convert = StreamFrames()
         self._events, self._outputs = EventData(arrays), tuple(outputs)
 
@@ -136,19 +137,17 @@ def frame_data(frame: StreamFrame, events: EventData) -> dict[str, Any]:
     }  # fmt: skip
 
 
+_encode = json.JSONEncoder(allow_nan=False).encode  # made once: `json.dumps` makes it anew for every frame
+
+
 def frame_json(frame: StreamFrame, data: dict[str, Any]) -> str:
     """Return a frame as a JSON object: its ``data`` and the values (rows, cols, 3), null where they are not valid.
 
-    Values have nine digits, enough for the bits of float32; `json.dumps` would take four times as long for them.
+    Values have nine digits, enough for the bits of float32.
     """
-    values, rows = np.where(frame.valid[..., None], frame.values, np.nan), frame.valid.shape
-    text = _template(*rows) % tuple(values.ravel().tolist())
-    if not np.isfinite(values).all():
-        text = re.sub("-?(nan|inf)", "null", text)
-    return f'{json.dumps(data, allow_nan=False)[:-1]}, "values": {text}}}'
+    from tactile.output.json_values_numba import write  # numba is slow to import
 
-
-@cache
-def _template(rows: int, cols: int) -> str:
-    row = f"[{', '.join(['[%.9g, %.9g, %.9g]'] * cols)}]"
-    return f"[{', '.join([row] * rows)}]"
+    rows, cols, axes = frame.values.shape
+    text = np.empty(rows * (4 + cols * (3 + axes * 18)), np.uint8)
+    length = write(np.ascontiguousarray(frame.values, np.float64), frame.valid, text)
+    return f'{_encode(data)[:-1]}, "values": {text[:length].tobytes().decode("ascii")}}}'

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from tactile.export.drawable import Message
     from tactile.export.view import FoxgloveView, RerunView
     from tactile.output.publish import Publisher
-    from tactile.output.stream_frame import StreamFrame
+    from tactile.output.stream_frame import FrameSink, StreamFrame
     from tactile.pipeline import FrameReport, Sink
     from tactile.serial.session import Session
 
@@ -59,6 +59,7 @@ class LiveOutputs:
         if choices.publish is not None:
             module = need("tactile.output.publish", "--publish")
             self.publisher = module.Publisher(choices.publish, arrays, packed=choices.msgpack)
+        self._frames = self._frame_sink() if choices.every_frame or self.publisher is not None else None
         if choices.drawable or choices.view is not None:
             need("tactile.export.drawable", "messages for viewers")
         if choices.view == "foxglove":
@@ -66,22 +67,24 @@ class LiveOutputs:
         elif choices.view == "rerun":
             self._rerun = need("tactile.export.view", "--view").RerunView(arrays)
 
+    def _frame_sink(self) -> "FrameSink":
+        from tactile.output.stream_frame import FrameOutput, FrameSink, frame_json  # imported when used
+
+        def say(frame: "StreamFrame", data: dict[str, Any]) -> None:
+            sys.stdout.write(frame_json(frame, data) + "\n")
+            sys.stdout.flush()
+
+        outputs: list[FrameOutput] = [say] if self._choices.every_frame else []
+        return FrameSink(self._arrays, [*outputs, *filter(None, [self.publisher])])
+
     @contextmanager
     def open(self, session: "Session") -> "Iterator[list[Sink]]":
         """Yield the sinks of a session; close the views at the end."""
         start = session.reader.epoch.unix
         sinks: list[Sink] = []
-        if self._choices.every_frame or self.publisher is not None:
-            from tactile.output.stream_frame import FrameOutput, FrameSink, frame_json  # imported when used
-
-            def say(frame: "StreamFrame", data: dict[str, Any]) -> None:
-                sys.stdout.write(frame_json(frame, data) + "\n")
-                sys.stdout.flush()
-
-            outputs: list[FrameOutput] = [say] if self._choices.every_frame else []
-            frames = FrameSink(self._arrays, [*outputs, *filter(None, [self.publisher])])
-            frames.convert.start_ns = start
-            sinks.append(frames)
+        if self._frames is not None:
+            self._frames.convert.start_ns = start
+            sinks.append(self._frames)
         receivers: list[Callable[[Message], None]] = []
         if self._choices.drawable and session.recording is not None:
             receivers.append(session.recording.other)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tactile.core.frame import Frame, Quantity, TaxelArray
-from tactile.core.noise import is_noise, measured
+from tactile.core.noise import measured
+from tactile.core.noise_numba import is_noise
 from tactile.core.source import FrameStream
 from tactile.elastic.halfspace import point_load_strain
 from tactile.inverse.load import Load
