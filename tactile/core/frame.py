@@ -1,7 +1,6 @@
 """Taxel arrays and their frames: shapes, units, axes and signs (CONVENTIONS.md)."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from numbers import Real
 from typing import Literal, get_args
 
@@ -127,10 +126,13 @@ class Frame:
     t_device: float = float("nan")
     flags: int = 0
 
-    @cached_property
+    @property
     def whole(self) -> bool:
         """Whether every taxel is valid."""
-        return bool(self.valid.all())
+        found: bool | None = self.__dict__.get("_whole")
+        if found is None:  # kept, without the lock that `cached_property` takes in each frame
+            found = self.__dict__["_whole"] = bool(self.valid.all())
+        return found
 
     @property
     def read(self) -> Flags:

@@ -63,10 +63,10 @@ def least_changes(frames, rounding, least):  # type: ignore[no-untyped-def]  # t
 @kept_njit(error_model="numpy")
 def is_within(values, most):  # type: ignore[no-untyped-def]  # typed at the call
     """Return whether no reading (rows, cols, 3) is larger than ``most``, and all are known."""
+    within = True
     for value in values.flat:
-        if not abs(value) <= most:
-            return False
-    return True
+        within = within and abs(value) <= most
+    return within
 
 
 @kept_njit(error_model="numpy")

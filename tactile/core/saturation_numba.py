@@ -4,11 +4,14 @@ from cnnsim.support.compiled_loops import kept_njit
 
 
 @kept_njit(error_model="numpy")
-def watch(values, before, jitter, band, ends, hits, steps, least, often, saturated):  # type: ignore[no-untyped-def]
-    """Process the readings (rows, cols, 3) of a frame and mark the saturated taxels (rows, cols); return whether any is.
+def watch(  # type: ignore[no-untyped-def]  # typed at the call
+    values, before, jitter, band, ends, hits, steps, least, often, saturated,
+):  # fmt: skip
+    """Process the readings (rows, cols, 3) of a frame, mark the saturated taxels (rows, cols), return whether any is.
 
     ``ends``, ``hits`` (rows, cols, 3, 2, and 2 for counts at the end point and near it) and ``steps`` (3,) are state;
-    ``least`` count at an end point, and ``often``, its least ratio to the count near it. Non-finite readings are ignored.
+    ``least`` count at an end point, and ``often``, its least ratio to the count near it. Non-finite readings are
+    ignored.
     """
     rows, cols, _ = values.shape
     found = False

@@ -51,12 +51,12 @@ def _single(
     values: Floats, planes: Floats, at: Floats, weights: Weights, units: tuple[float, float, float, bool, Floats],
     cols: int,
 ) -> Load | None:  # fmt: skip
-    from tactile.inverse import single_fit_numba  # numba is slow to import
+    from tactile.inverse.single_fit_numba import DOUBTFUL, FOUND, single_load  # numba is slow to import
 
-    answer, known = np.empty(19 + len(at)), (weights.scale, weights.trust)
-    said = single_fit_numba.single_load(values, planes, at, known, units, weights.noise or 0.0, answer)
-    if said != single_fit_numba.FOUND:
-        return None if said == single_fit_numba.DOUBTFUL else NO_LOAD
+    answer, noise = np.empty(19 + len(at)), weights.noise or 0.0
+    said = single_load(values, planes, at, weights.scale, weights.trust, *units, noise, answer)
+    if said != FOUND:
+        return None if said == DOUBTFUL else NO_LOAD
     x, y, q, r, f, dx, dy, dq, dr, df, sx, sy, sq, sr, sf, misfit, taxels, inside, unread = answer[:19].tolist()
     validity, out = Validity.INSIDE if inside else Validity.OUTSIDE, _cells(answer[19 : 19 + int(unread)], cols)
     sigma, scatter = (dx, dy, dq, dr, df), (sx, sy, sq, sr, sf)

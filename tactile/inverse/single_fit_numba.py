@@ -72,17 +72,18 @@ def one_load(at, planes, weights, order, units, noise):  # type: ignore[no-untyp
 
 
 @kept_njit(error_model="numpy")
-def single_load(values, planes, at, weights, units, noise, answer):  # type: ignore[no-untyped-def]
+def single_load(  # type: ignore[no-untyped-def]  # typed at the call
+    values, planes, at, scale, trust, times, depth, floor, strain, layer, noise, answer,
+):  # fmt: skip
     """Fill ``answer`` (19 + n,) with a load and return `FOUND`: x, y [m], Q, R, F [N], their standard deviations, those
     from frame to frame, misfit, taxels, whether it is inside, and the taxels under it that cannot be read, their number
     first.
 
     ``values`` (rows, cols, 3) readings, or (rows, cols, 0) where ``planes`` (families, 4, n) of the inverse are given;
-    ``at`` (n, 2) [m]; ``weights``: scale and trust; ``units``: scale of the inverse, depth [m], floor, whether the
-    taxels measure strain, and table of the layer; ``noise`` [N], 0 where it is unknown.
+    ``at`` (n, 2) [m]; ``scale`` (n, 3) and ``trust`` (n,): see `Weights`; ``times``: scale of the inverse; ``depth``
+    [m]; ``floor``; ``strain``: whether the taxels measure it; table of the ``layer``; ``noise`` [N], 0 where it is
+    unknown.
     """
-    scale, trust = weights
-    times, depth, floor, strain, layer = units
     rows, cols, _ = values.shape
     if values.size > 0:
         planes = answers(values, strain, times, depth, floor)

@@ -42,7 +42,7 @@ def _number(value, out, at):  # type: ignore[no-untyped-def]  # typed at the cal
     if size < TINY:
         out[at] = ZERO
         return at + 1
-    e = int(math.floor(math.log10(size)))
+    e = math.floor(math.log10(size))
     shift = DIGITS - 1 - e
     m = np.uint64(np.rint(size * POWERS[shift] if shift >= 0 else size / POWERS[-shift]))
     if m >= np.uint64(10**DIGITS):

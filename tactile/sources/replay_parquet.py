@@ -6,6 +6,7 @@ a taxel) and ``flags`` of the device (`tactile.core.frame.FLAGS`; may be missing
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from tactile.core.frame import MOST_FLAGS, Frame, TaxelArray
 from tactile.core.header import header_text, read_header
 from tactile.core.source import ForeignFileError, FrameStream, Source
 from tactile.recording.parquet_rows import ParquetRows
+from tactile.sources.stamps import in_order
 
 KEY = b"tactile"
 BATCH = 4096
@@ -68,7 +70,8 @@ def read_parquet(path: Path) -> FrameStream:
     """Open a Parquet recording.
 
     Raises:
-        InputError: no Parquet file, no header in it or a wrong one, other columns, first rows of other arrays.
+        InputError: no Parquet file, no header in it or a wrong one, other columns, first rows of other arrays, or times
+            that step back and cannot be repaired.
     """
     check_plain(path, "recording")
     with one_line(path, "a Parquet recording"), parquet.ParquetFile(path) as file:
@@ -85,7 +88,12 @@ def read_parquet(path: Path) -> FrameStream:
     first = FIRST * len(header.arrays)
     for _ in islice(ParquetFrames(path, header.arrays, first), first):  # before memory is allocated for these sizes
         pass
-    return header.stream(ParquetFrames(path, header.arrays), rows)
+    frames = ParquetFrames(path, header.arrays)
+    times = parquet.read_table(path, columns=["t_s"]).column(0).to_numpy()
+    if not (np.diff(times) < 0).any():
+        return header.stream(frames, rows)  # not all of them are in memory
+    ordered, notes = in_order(list(frames), header.arrays, str(path))
+    return replace(header.stream(ordered, rows), notes=notes)
 
 
 def write_parquet(path: Path, source: Source) -> None:

@@ -1,15 +1,14 @@
 """Arrangement of wire readings into frames of fingers, and the inverse for emulators."""
 
 from collections.abc import Iterator
+from math import isfinite
 
 import numpy as np
 
+from cnnsim.support import Floats, Integers
 from tactile.core.frame import Frame
 from tactile.wire.description import Board, Description
 from tactile.wire.reading import Reading, Taxels
-
-NOTHING = np.full((1, 3), np.nan)
-"""Reading of a cell without a chip."""
 
 
 class Arrange:
@@ -20,6 +19,7 @@ class Arrange:
 
     def __init__(self, description: Description) -> None:
         self._boards = description.boards
+        self._places = [_places(board) for board in self._boards]
         self._chips = [board.chips for board in self._boards]
         self._counts = [0] * len(self._boards)
 
@@ -34,15 +34,24 @@ class Arrange:
             at += chips
 
     def _frame(self, finger: int, taxels: Taxels, reading: Reading, t: float) -> Frame:
-        board = self._boards[finger]
-        turned = taxels @ board.turn.T
-        if board.gains is not None:
-            turned = board.gains(turned)
-        values = np.concatenate((turned, NOTHING))[board.cells]  # cell -1 is the row at the end
-        valid = np.logical_and.reduce(np.isfinite(values), axis=-1)
+        place, factor = self._places[finger]
+        numbers = np.empty(taxels.size + 1)
+        numbers[:-1], numbers[-1] = taxels.ravel(), np.nan  # the last is that of a cell without a chip
+        values: Floats = numbers[place]
+        values *= factor
+        finite = isfinite(np.vdot(values, values))
+        valid = np.ones(place.shape[:2], bool) if finite else np.isfinite(values).all(-1)
         sequence = self._counts[finger] if reading.sequence is None else reading.sequence
         self._counts[finger] += 1
         return Frame(finger, t, sequence, values, valid, reading.t_device)
+
+
+def _places(board: Board) -> tuple[Integers, Floats]:
+    """Return where in the readings of a board the numbers (rows, cols, 3) of a frame are, -1 for none, and factors."""
+    axes = board.turn.shape[1]
+    place = board.cells[..., None] * axes + np.abs(board.turn).argmax(axis=1)
+    factor = board.turn.sum(axis=1)
+    return np.where(board.cells[..., None] < 0, -1, place), factor if board.gains is None else board.gains(factor)
 
 
 def back(frame: Frame, board: Board) -> Taxels:

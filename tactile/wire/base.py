@@ -7,10 +7,13 @@ first byte that settles it, and is final.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tactile.wire.reading import Counts, Reading, Taxels
 from tactile.wire.sequence import SequenceCheck
+
+if TYPE_CHECKING:
+    from tactile.layout.layout import Layout
 
 
 @dataclass(frozen=True)
@@ -134,12 +137,13 @@ class Talk:
 class Options:
     """Parameters of a format: ``shapes`` (rows, cols) of the boards, and ``extra`` options of that format.
 
-    ``axes``: numbers of a taxel, 3 or 1 (the normal alone).
+    ``axes``: numbers of a taxel, 3 or 1 (the normal alone); ``layout``: of text lines with a header line.
     """
 
     shapes: tuple[tuple[int, int], ...]
     extra: dict[str, Any] = field(default_factory=dict)
     axes: int = 3
+    layout: "Layout | None" = None
 
     @property
     def taxels(self) -> tuple[int, ...]:

@@ -123,7 +123,12 @@ def parse_description(text: str, where: str) -> Description:
         raise InputError(
             f"{where}: axes = ['z'] of protocol {wire.name!r}: the normal alone, which all boards of csv may send"
         )
-    options = Options(tuple(_wire_shape(board) for board in boards), extra, axes.pop())
+    layout = None
+    if wire.name == "csv" and isinstance(table.get("layout"), dict):
+        from tactile.layout.layout import parse_layout  # it imports this module
+
+        layout = parse_layout(text, where)
+    options = Options(tuple(_wire_shape(board) for board in boards), extra, axes.pop(), layout)
     wire.decoder(options)  # reports wrong options now
     return Description(
         title or wire.summary, wire, baudrate or wire.baudrate, modulus, options, tuple(boards), text, thresholds

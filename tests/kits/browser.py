@@ -58,11 +58,11 @@ class Browser:
             self.page.mouse.move(*self.at(number, *cell), steps=4)
         self.page.mouse.up()
 
-    def shows(self, number: int, wanted: Callable[[Any], Any]) -> None:
+    def shows(self, number: int, wanted: Callable[[Any], Any], canvases: str = ".cw-pane canvas") -> None:
         """Wait until the colours of a canvas are as wanted: a picture follows its numbers by a frame or more."""
         end = time.monotonic() + 60
-        while not wanted(self.pixels(number).astype(int)):
-            assert time.monotonic() < end, self.pixels(number)[..., 0]
+        while not wanted(self.pixels(number, canvases).astype(int)):
+            assert time.monotonic() < end, self.pixels(number, canvases)[..., 0]
             time.sleep(0.02)
 
     def text(self, selector: str) -> str:

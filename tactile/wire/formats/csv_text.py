@@ -4,10 +4,11 @@
 
 Separators are commas, semicolons, tabs or spaces; one at the end, brackets and labels (``X0: 1.5``) are ignored. Option
 ``before`` names the columns before the taxels: "sequence", "t_us", "t_ms", "t_s", or "-" and any text for one that is
-skipped, as ``after`` names those after them. A cell that is no number, such as ``nan``, ``inf``, ``ovf`` or an empty
-one, is a taxel without a reading. HH is an optional check byte: the exclusive or of all bytes before the asterisk, in
-hexadecimal, as in NMEA 0183. Lines that begin with ``#``, and other text, are skipped. The first line, which may be
-incomplete, is used if the next one is as long up to its first separator.
+skipped, as ``after`` names those after them. With a table [layout] in the array file the board prints a header line
+first, in which the layout finds its columns, as in that of a recording. A cell that is no number, such as ``nan``,
+``inf``, ``ovf`` or an empty one, is a taxel without a reading. HH is an optional check byte: the exclusive or of all
+bytes before the asterisk, in hexadecimal, as in NMEA 0183. Lines that begin with ``#``, and other text, are skipped.
+The first line, which may be incomplete, is used if the next one is as long up to its first separator.
 
 Changed digits in a line without HH are not detected. A jump of the sequence number in such a line is accepted when the
 next line continues from it.
@@ -16,6 +17,7 @@ next line continues from it.
 import math
 import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -23,6 +25,9 @@ from cnnsim.support import InputError
 from tactile.wire.base import Decoder, Encoder, Found, Options
 from tactile.wire.reading import Reading, Taxels
 from tactile.wire.registry import Format
+
+if TYPE_CHECKING:
+    from tactile.layout.header_line import LineColumns
 
 LONGEST, CELL, SHOWN = 65536, 32, 60
 """Longest line in bytes: at least this, and CELL bytes per number; bytes of a line that are shown."""
@@ -44,8 +49,13 @@ class CsvDecoder(Decoder):
     def __init__(self, options: Options) -> None:
         super().__init__()
         self._before, self._axes = skipped_columns(options, "before"), options.axes
-        self._count = len(self._before) + options.axes * sum(options.taxels)
+        self._taxels = options.axes * sum(options.taxels)
+        self._count = len(self._before) + self._taxels
         self._after = len(skipped_columns(options, "after"))
+        self._layout, self._headless, self._columns = options.layout, "", cast("LineColumns | None", None)
+        if options.layout is not None:
+            self._before, self._count, self._after = [], 0, 0
+            self._headless = "no header line yet, in which the layout finds its columns: reset the board"
         self._longest = max(LONGEST, CELL * (self._count + self._after + 1))
         self._lines = 0
         self._restart()
@@ -68,10 +78,15 @@ class CsvDecoder(Decoder):
             if following < 0 and not over and len(self._buffer) < self._longest:
                 return None
             second = bytes(self._buffer[end + 1 : max(following, 0)]).strip()
-            if self._cells(second) is None or len(SPLIT.split(line, 1)[0]) < len(SPLIT.split(second, 1)[0]):
+            named = self._layout is not None and self._cells(line) is None
+            if not named and (
+                self._cells(second) is None or len(SPLIT.split(line, 1)[0]) < len(SPLIT.split(second, 1)[0])
+            ):
                 line = b""
         self._first = False
         self._lines += 1
+        if self._layout is not None and self._read_header(line):
+            return Found(end + 1)
         if not line or line.startswith(b"#"):
             return Found(end + 1)
         body, star, check = line.partition(b"*")
@@ -80,6 +95,9 @@ class CsvDecoder(Decoder):
             return Found(end + 1)
         numbers = self._cells(body)
         if numbers is None:
+            return Found(end + 1)
+        if self._headless:
+            self._count_unfit(self._headless)
             return Found(end + 1)
         if len(numbers) != self._count + self._after:
             shown = body[:SHOWN].decode("ascii", "replace") + " ..." * (len(body) > SHOWN)
@@ -109,13 +127,34 @@ class CsvDecoder(Decoder):
         numbers = [float(cell) if one else math.nan for one, cell in zip(known, cells, strict=True)]
         return [one if math.isfinite(one) else math.nan for one in numbers]
 
+    def _read_header(self, line: bytes) -> bool:
+        """Return whether a line is the header line, and keep the columns in which the layout finds its readings."""
+        cells = SPLIT.split(line.lstrip(b"#%/ \t").rstrip(b",; \t"))
+        if self._layout is None or len(cells) < self._taxels or any(map(NUMBER_ALONE.fullmatch, cells)):
+            return False
+        from tactile.layout.header_line import line_columns  # it imports the array descriptions
+
+        try:
+            self._columns = line_columns([cell.decode("utf-8", "replace").strip("\"'") for cell in cells], self._layout)
+        except InputError as error:
+            if self._columns is None:
+                self._headless = f"no header line that fits the layout: {error}"
+            return False
+        self._count, self._headless = self._columns.count, ""
+        return True
+
     def _found(self, length: int, cells: list[float], checked: bool) -> Found:
-        head = dict(zip(self._before, cells, strict=False))
-        seconds = next((head[name] * scale for name, scale in SECONDS.items() if name in head), math.nan)
-        sequence = head.get("sequence")
+        if self._columns is None:
+            head = dict(zip(self._before, cells, strict=False))
+            seconds = next((head[name] * scale for name, scale in SECONDS.items() if name in head), math.nan)
+            sequence, taxels = head.get("sequence"), cells[len(self._before) : self._count]
+        else:
+            _, place, number, time, unit = self._columns
+            seconds = math.nan if time is None else cells[time] * unit
+            sequence, taxels = None if number is None else cells[number], np.array(cells)[place].tolist()
         if sequence is not None and not (sequence == sequence and sequence.is_integer() and 0 <= sequence < 2**32):
             return Found(length)
-        values = np.array(cells[len(self._before) : self._count]).reshape(-1, self._axes)
+        values = np.array(taxels).reshape(-1, self._axes)
         count = None if sequence is None else int(sequence)
         return Found(0, length, Reading(values, self._begin + length, None, count, seconds, checked))
 

@@ -15,6 +15,7 @@ from tactile.simulator.scene_file.file import read_scene, scene_from
 from tactile.sources import open_source
 from tactile.sources.replay_csv import read_csv, write_csv
 from tactile.sources.replay_npz import read_npz, write_npz
+from tactile.sources.replay_parquet import write_parquet
 from tests.kits.touch.source import GRIP, parsed
 
 
@@ -210,7 +211,7 @@ def test_a_folder_that_is_no_ros_bag_is_refused(tmp_path: Path) -> None:
         open_source(folder)
 
 
-@pytest.mark.parametrize("suffix", (".csv", ".npz"))
+@pytest.mark.parametrize("suffix", (".csv", ".npz", ".parquet"))
 def test_stamps_that_step_back_are_replaced_with_a_sentence(tmp_path: Path, suffix: str) -> None:
     array = TaxelArray("left", 1, 1, 1e-3, 1e-3)
 
@@ -220,7 +221,8 @@ def test_stamps_that_step_back_are_replaced_with_a_sentence(tmp_path: Path, suff
             for t, n in zip(times, sequence, strict=True)
         ]
         path = tmp_path / f"r{suffix}"
-        {".csv": write_csv, ".npz": write_npz}[suffix](path, FrameStream("r", (array,), 1e6, len(frames), frames))
+        write = {".csv": write_csv, ".npz": write_npz, ".parquet": write_parquet}[suffix]
+        write(path, FrameStream("r", (array,), 1e6, len(frames), frames))
         return path
 
     stepped = [2.0, 2.01, 1.5, 2.03, 2.04]

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from cnnsim.support import InputError
+from tactile.wire.arrange import Arrange
 from tactile.wire.base import Options
+from tactile.wire.description_file import parse_description
 from tactile.wire.registry import find_format
 from tests.kits.wire import decoded, pair
 
@@ -59,3 +61,68 @@ def test_columns_around_the_taxels_are_skipped_and_taxels_may_have_the_normal_al
 def test_a_first_line_that_lost_its_beginning_is_no_frame() -> None:
     decoder = find_format("csv").decoder(Options(((1, 1),), {"before": []}))
     assert len(decoded(decoder, b"23,5,6\n123,5,6\n124,5,6\n")) == 2
+
+
+HEADED = """
+protocol = "csv"
+[layout]
+time = "ms"
+time_unit = "ms"
+sequence = "n"
+[[finger]]
+name = "left"
+rows = 1
+cols = 2
+pitch_mm = 4
+depth_mm = 0
+quantity = "force"
+columns = "L{taxel}_{axis}"
+axes = ["x", "y", "-z"]
+[[finger]]
+name = "right"
+rows = 1
+cols = 2
+pitch_mm = 4
+depth_mm = 0
+quantity = "force"
+columns = "R{taxel}_{axis}"
+"""
+NAMES = ["n", "ms", *(f"{side}{n}_{axis}" for axis in "zxy" for n in (1, 0) for side in "RL"), "volts"]
+
+
+@pytest.mark.parametrize("mark", ["", "# "])
+def test_the_columns_of_a_header_line_are_found_by_the_layout(mark: str) -> None:
+    description = parse_description(HEADED, "hand.toml")
+    decoder = description.wire.decoder(description.options)
+    values = dict(zip(NAMES, [7, 250, *range(12), 3.3], strict=True))
+    row = ",".join(map(str, values.values()))
+    lines = [
+        row,
+        row,
+        "boot ok",
+        mark + ",".join(NAMES),
+        row.replace("7,", "8,", 1),
+        row.replace("11", "ovf"),
+        row + ",1",
+    ]
+    got = decoded(decoder, "\r\n".join([*lines, ""]).encode())
+    assert [(one.sequence, one.t_device) for one in got] == [(8, 0.25), (7, 0.25)]
+    assert got[0].values.tolist() == [[values[f"{side}{n}_{axis}"] for axis in "xyz"] for side in "LR" for n in (0, 1)]
+    assert np.isnan(got[1].values).sum() == 1
+    assert decoder.counts.unfit == 2 + 1
+    left, right = Arrange(description)(got[0], 1.0)
+    assert left.values[0, 1].tolist() == [values["L1_x"], values["L1_y"], -values["L1_z"]]
+    assert right.values[0, 0].tolist() == [values["R0_x"], values["R0_y"], values["R0_z"]]
+
+
+def test_a_missing_header_line_and_one_of_other_columns_are_reported() -> None:
+    description = parse_description(HEADED, "hand.toml")
+    decoder = description.wire.decoder(description.options)
+    decoded(decoder, ("1," * 14 + "1\n").encode() * 3)
+    assert decoder.unfit == "no header line yet, in which the layout finds its columns: reset the board"
+    wrong = ",".join(NAMES).replace("ms", "us")
+    decoded(decoder, f"{wrong}\n{'1,' * 14}1\n".encode())
+    assert decoder.unfit.startswith(
+        "no header line that fits the layout: time 'ms': no such column; the header line has"
+    )
+    assert decoder.counts.good == 0
