@@ -200,7 +200,7 @@ class Finger:
             pool.set_logic("usable", use)
         pool.update(Moment(frame, array.quantity, self._signals, before, load, self._half, array.origin))
         if self._inverse is not None:
-            travels = self._travel.update(frame.t, load, self.taxels.code.touched)
+            travels = self._travel.update(frame.t, load, self.taxels.code.pressed > 0)
             if travels != self._travels:
                 self._travels = travels
                 pool.set_logic("travelling", travels)

@@ -60,9 +60,9 @@ class Code:
         return "".join("0+-"[value] for value in np.stack((self.x, self.y), axis=-1).ravel().tolist())
 
     @cached_property
-    def touched(self) -> bool:
-        """Whether any taxel is in contact."""
-        return bool(self.contact.any())
+    def pressed(self) -> int:
+        """Number of taxels in contact."""
+        return int(self.contact.sum())
 
     def direction(self) -> str:
         """Return the majority direction of the shear: "+x", "-y", "+x -y", or "about a point" without a majority."""

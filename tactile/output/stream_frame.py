@@ -66,7 +66,7 @@ class SlipMargins:
     def __call__(self, report: FrameReport) -> float:
         """Return the margin after this frame."""
         load, name = report.load, report.array.name
-        if not (report.array.shear and load.F > 0 and report.code.touched):
+        if not (report.array.shear and load.F > 0 and report.code.pressed):
             return math.nan
         ratio = math.hypot(load.Q, load.R) / load.F
         if ratio > 0 and any(event.kind == "slip" for event in report.events):

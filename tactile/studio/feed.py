@@ -9,6 +9,8 @@ from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
+from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +21,6 @@ from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, Frame, Quantity
 from tactile.core.source import FrameStream, Source, provenance, with_frames
 from tactile.events.event import Event
-from tactile.finger import Finger
 from tactile.pipeline import FrameReport, Sink
 from tactile.settings import Settings
 from tactile.thresholds.threshold import CONTACT, SHEAR
@@ -34,6 +35,31 @@ MOST_AGAIN = 8000
 """Frames that are computed again at most, which takes about two seconds."""
 _COST = 4096
 """Bytes of a report without its planes."""
+
+
+Log = dict[tuple[str, str, float], Event]
+"""Events by their keys; a contact is on as many taxels as it pressed at most so far."""
+
+
+def noted(log: Log, report: FrameReport) -> None:
+    """Keep the events of a report, and the taxels of a contact that grows."""
+    for event in (*report.events, *report.ended):
+        log[event.key] = _on(event, _taxels(log.get(event.key)))
+    pressed = report.code.pressed
+    for key, event in reversed(log.items()) if pressed else ():
+        if key[:2] == (report.array.name, "contact"):
+            if event.end is None and pressed > _taxels(event):
+                log[key] = _on(event, pressed)
+            return
+
+
+def _taxels(event: Event | None) -> float:
+    return float(event.data.get("taxels", 0)) if event is not None and event.kind == "contact" else 0.0
+
+
+def _on(event: Event, taxels: float) -> Event:
+    """Return a contact on at least so many taxels."""
+    return replace(event, data={**event.data, "taxels": int(taxels)}) if taxels > _taxels(event) else event
 
 
 class Kept(NamedTuple):
@@ -67,17 +93,17 @@ class Feed:
     """
 
     def __init__(
-        self, source: Source, settings: Settings, *, live: bool = False, fingers: list[Finger] | None = None,
-        sinks: Iterable[Sink] = (), compiling: bool = False,
+        self, source: Source, settings: Settings, *, live: bool = False, sinks: Iterable[Sink] = (),
+        compiling: bool = False,
     ) -> None:  # fmt: skip
         self.source, self.settings, self.live = source, settings.of(source), live
         self.arrays, self.failure, self.full = source.arrays, "", False
         self._stopped, self.computed, self.compiling = False, float("-inf"), compiling
-        self._fingers = fingers or pipeline.make_fingers(source.arrays, source.modulus, self.settings)
+        self._fingers = pipeline.make_fingers(source.arrays, source.modulus, self.settings)
         self._sinks = sinks
         self.rows: list[list[Kept]] = [[] for _ in self.arrays]
         self.marks = [Mark(0, 0.0, [deepcopy(finger.tare) for finger in self._fingers])]
-        self.events: dict[tuple[str, str, float], Event] = {}
+        self.events = Log()
         self._peaks: dict[tuple[int, Quantity], Any] = {}
         self._outputs: list[dict[str, Mapping[str, Any]]] = [{} for _ in self.arrays]
         self._raw: tuple[Frame, tuple[bool, ...]] | None = None
@@ -94,7 +120,8 @@ class Feed:
     def stop(self) -> None:
         """Stop taking frames, including those already queued."""
         self._stopped = True
-        self.wait()
+        if not self.compiling:  # which takes up to a minute and touches nothing
+            self.wait()
 
     def wait(self) -> None:
         """Wait until the source has ended."""
@@ -110,6 +137,8 @@ class Feed:
             if self.compiling:
                 pipeline.warm_up(self.arrays, self.source.modulus, self.settings)
                 self.compiling = False
+            if self._stopped:
+                return
             pipeline.run(
                 with_frames(self.source, self._frames()), self.settings, [self._take, *self._sinks], self._fingers
             )
@@ -135,8 +164,7 @@ class Feed:
         rows = self.rows[finger]
         rows.append(Kept(self._count, t, report, raw, asked, self._outputs[finger]))
         self._count += 1
-        for event in (*report.events, *report.ended):
-            self.events[event.key] = event
+        noted(self.events, report)
         peak = self._peaks.setdefault((int(t), report.array.quantity), np.zeros(2))
         if report.frame.whole or report.frame.valid.any():
             values = report.frame.values if report.frame.whole else report.frame.values[report.frame.valid]
@@ -214,20 +242,17 @@ class Feed:
         fingers = pipeline.make_fingers(self.arrays, self.source.modulus, settings)
         for finger, tare in zip(fingers, tares, strict=True):
             finger.tare = deepcopy(tare)
-        requests, log = deque[bool](), dict[tuple[str, str, float], Event]()
+        requests, log = deque[bool](), Log()
 
         def frames() -> Iterator[Frame]:
             for row in rows:
                 requests.extend(row.asked)
                 yield row.raw
 
-        def note(report: FrameReport) -> None:
-            log.update((event.key, event) for event in (*report.events, *report.ended))
-
         source = FrameStream("again", self.arrays, self.source.modulus, None, frames(), tare_requests=requests)
         self.computed = float("inf")
         try:
-            pipeline.run(source, settings, [note], fingers)
+            pipeline.run(source, settings, [partial(noted, log)], fingers)
         finally:
             self.computed = time.monotonic()
         return _within(log.values(), begin, end)

@@ -92,7 +92,7 @@ def test_the_slip_margin_is_the_distance_from_the_limit_of_friction() -> None:
     margins, sliding = SlipMargins(0.5), [SimpleNamespace(kind="slip")]
 
     def margin(q: float, f: float, events: Any = (), touched: bool = True, shear: bool = True) -> float:
-        code = SimpleNamespace(touched=touched)
+        code = SimpleNamespace(pressed=int(touched))
         made = SimpleNamespace(load=Load(Q=q, R=0.0, F=f), array=SimpleNamespace(name="a", shear=shear),
                                code=code, events=events)  # fmt: skip
         report: Any = made

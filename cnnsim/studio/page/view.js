@@ -126,7 +126,8 @@ export class View extends Controls {
     this.scrub.max = String(Math.max(Number(this.scrub.max), this.index, content.last || 0, 20));
     this.scrub.min = String(this.first);
     this.scrub.value = String(this.index);
-    this.clock.textContent = `t = ${content.t.toFixed(content.t < 100 ? 2 : 1)}`;
+    // after a change in mid-run the scrub begins there
+    this.clock.textContent = `t = ${content.t.toFixed(content.t < 100 ? 2 : 1)}${this.first > 0 ? ", past gone" : ""}`;
     this.framed(content);
   }
 

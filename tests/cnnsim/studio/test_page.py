@@ -99,6 +99,7 @@ def test_a_change_while_it_runs_is_seen(browser: Browser) -> None:
     browser.page.fill("[aria-label='z, bias']", "14")  # now black wins everywhere
     browser.orange()
     assert "Pause" in browser.text("[name=play]")
+    assert browser.text("[name=clock]").endswith(", past gone")  # the scrub begins at the change
     browser.page.check("[name=rest]")
 
 

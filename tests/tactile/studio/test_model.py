@@ -67,6 +67,14 @@ def test_events_have_their_spans_and_come_only_when_they_change(known: Known) ->
     assert not [one for one in ask(model, "frame", t=1.0).content["events"] if one["t"] > 1.0]
 
 
+def test_a_contact_is_on_as_many_taxels_as_it_pressed(known: Known) -> None:
+    ask(model := ArrayModel(known.feed), "frame", t=T)
+    (words,) = {one.words for one in known.feed.events.values() if one.kind == "contact" and one.t < T}
+    assert max(int(one.code.contact.sum()) for one in known.reports if one.frame.t <= T) == 4
+    assert words == "contact on 4 of 4 taxels"
+    assert "contact on 4 of 4" in str(ask(model, "thresholds", t=T).content["events"])
+
+
 def test_the_planes_of_a_program_come_with_the_frame(known: Known) -> None:
     reply = ask(ArrayModel(known.feed), "frame", t=T)
     for report, finger, data in zip(known.at(T), reply.content["fingers"], reply.buffers[1::2], strict=True):
