@@ -39,8 +39,11 @@ def need_server() -> None:
         need(module, "the studio", "studio")
 
 
-def serve(make_model: Callable[[], "Model"], page: Path, name: str, port: int, host: str, no_browser: bool) -> None:
-    """Serve a page until Ctrl-C; print its address and open the browser."""
+def serve(
+    make_model: Callable[[], "Model"], page: Path, name: str, port: int, host: str, no_browser: bool,
+    begin: Callable[[], None] = lambda: None,
+) -> None:  # fmt: skip
+    """Serve a page until Ctrl-C; print its address, ``begin`` what takes time, and open the browser."""
     import webbrowser  # it brings modules that no other command needs
 
     from cnnsim.studio.server import make_server
@@ -49,6 +52,7 @@ def serve(make_model: Callable[[], "Model"], page: Path, name: str, port: int, h
     if host not in ("127.0.0.1", "localhost", "::1"):
         say(f"warning: everyone who reaches {host} and knows the address below can use this page", err=True)
     echo(f"studio of {name}: {address}")
+    begin()  # who opens the address meanwhile waits
     if not no_browser:
         webbrowser.open(address)
     server.run(sockets=[listening])

@@ -1,5 +1,6 @@
 """The command `studio`: a page in the browser that shows the taxels, loads, codes and events of an array."""
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,11 +54,15 @@ def studio(
     """
     check_thresholds(chosen)
     need_server()
+    from tactile.studio import PAGE  # imported when used
+    from tactile.studio.model import ArrayModel  # the same
+
     page = port, host, no_browser
     if is_file_source(Path(source)):
         if output is not None or protocol is not None or array is not None:
             raise click.UsageError(f"{source} is a file; --record, --protocol and --array are for ports")
-        _serve(_of_file(Path(source), layout, calibration, chosen), None, page)
+        feed = _of_file(Path(source), layout, calibration, chosen)
+        serve(lambda: ArrayModel(feed), PAGE, feed.source.title, *page, feed.start)
         return
     if layout is not None:
         raise click.UsageError(f"--layout is for tables of other programs, and there is no file {source}")
@@ -66,12 +71,16 @@ def studio(
 
     description = chosen_description(protocol, array)
     options = LiveOptions(calibration=kept_calibration(calibration, description), **chosen)
-    link = PortLink(source, description, options, output, replace)
-    with console.stopping(link.session.stop):  # the server passes the signal on when it has ended
-        try:
-            _serve(link.feed, link, page)
-        finally:
-            echo(link.close())
+    links: list[PortLink] = []
+    with contextlib.ExitStack() as at_end:
+
+        def begin() -> None:
+            links.append(link := PortLink(source, description, options, output, replace))
+            at_end.callback(lambda: echo(link.close()))
+            at_end.enter_context(console.stopping(link.session.stop))  # the server passes the signal on at its end
+            link.feed.start()
+
+        serve(lambda: ArrayModel(links[0].feed, links[0]), PAGE, description.title, *page, begin)
 
 
 def _of_file(path: Path, layout: Path | None, calibration: Path | None, chosen: dict[str, Any]) -> "Feed":
@@ -84,11 +93,3 @@ def _of_file(path: Path, layout: Path | None, calibration: Path | None, chosen: 
         if line:
             Notices.say(f"note: {line}")
     return Feed(opened.source, opened.settings, compiling=True)
-
-
-def _serve(feed: "Feed", link: Any, page: tuple[int, str, bool]) -> None:
-    from tactile.studio import PAGE  # imported when used
-    from tactile.studio.model import ArrayModel  # the same
-
-    feed.start()
-    serve(lambda: ArrayModel(feed, link), PAGE, feed.source.title, *page)

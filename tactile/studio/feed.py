@@ -21,6 +21,7 @@ from tactile.calibration.live_tare import LiveTare
 from tactile.core.frame import NORMAL, SHEAR_X, SHEAR_Y, Frame, Quantity
 from tactile.core.source import FrameStream, Source, provenance, with_frames
 from tactile.events.event import Event
+from tactile.finger import Finger
 from tactile.pipeline import FrameReport, Sink
 from tactile.settings import Settings
 from tactile.thresholds.threshold import CONTACT, SHEAR
@@ -93,13 +94,13 @@ class Feed:
     """
 
     def __init__(
-        self, source: Source, settings: Settings, *, live: bool = False, sinks: Iterable[Sink] = (),
-        compiling: bool = False,
+        self, source: Source, settings: Settings, *, live: bool = False, fingers: list[Finger] | None = None,
+        sinks: Iterable[Sink] = (), compiling: bool = False,
     ) -> None:  # fmt: skip
         self.source, self.settings, self.live = source, settings.of(source), live
         self.arrays, self.failure, self.full = source.arrays, "", False
         self._stopped, self.computed, self.compiling = False, float("-inf"), compiling
-        self._fingers = pipeline.make_fingers(source.arrays, source.modulus, self.settings)
+        self._fingers = fingers or pipeline.make_fingers(source.arrays, source.modulus, self.settings)
         self._sinks = sinks
         self.rows: list[list[Kept]] = [[] for _ in self.arrays]
         self.marks = [Mark(0, 0.0, [deepcopy(finger.tare) for finger in self._fingers])]
@@ -120,8 +121,7 @@ class Feed:
     def stop(self) -> None:
         """Stop taking frames, including those already queued."""
         self._stopped = True
-        if not self.compiling:  # which takes up to a minute and touches nothing
-            self.wait()
+        self.wait()
 
     def wait(self) -> None:
         """Wait until the source has ended."""
@@ -137,8 +137,6 @@ class Feed:
             if self.compiling:
                 pipeline.warm_up(self.arrays, self.source.modulus, self.settings)
                 self.compiling = False
-            if self._stopped:
-                return
             pipeline.run(
                 with_frames(self.source, self._frames()), self.settings, [self._take, *self._sinks], self._fingers
             )

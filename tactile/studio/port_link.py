@@ -50,12 +50,13 @@ class PortLink:
         self._origin = {"port": port, "choices": options.text()}
         self._warned, self._warning = float("-inf"), ""
         self._asked, self._answers = set[str](), list[str]()
+        fingers = console.warm_up(description, options)
         console.be_steady()
         self.session: Session = session_of(port, description, None, None, False, threading.Event(), self._warn)
         source, session = self.session.source, self.session
         self.monitor = LiveMonitor(source, self._listen, session.now, session.note, lambda: session.counts)
         settings = options.settings(source, options.skin)
-        self.feed = Feed(source, settings, live=True, sinks=[self.monitor], compiling=True)
+        self.feed = Feed(source, settings, live=True, fingers=fingers, sinks=[self.monitor])
         self._before: dict[str, Any] = {}
         self._path = Path()
 

@@ -5,7 +5,7 @@ from math import isfinite
 
 import numpy as np
 
-from cnnsim.support import Floats, Integers
+from cnnsim.support import Flags, Floats, Integers
 from tactile.core.frame import Frame
 from tactile.wire.description import Board, Description
 from tactile.wire.reading import Reading, Taxels
@@ -40,7 +40,9 @@ class Arrange:
         values: Floats = numbers[place]
         values *= factor
         finite = isfinite(np.vdot(values, values))
-        valid = np.ones(place.shape[:2], bool) if finite else np.isfinite(values).all(-1)
+        valid: Flags = np.ones(place.shape[:2], bool)
+        if not finite:
+            valid = np.logical_and.reduce(np.isfinite(values), axis=-1)
         sequence = self._counts[finger] if reading.sequence is None else reading.sequence
         self._counts[finger] += 1
         return Frame(finger, t, sequence, values, valid, reading.t_device)
