@@ -76,8 +76,8 @@ def studio(
 
         def begin() -> None:
             links.append(link := PortLink(source, description, options, output, replace))
-            at_end.callback(lambda: echo(link.close()))
             at_end.enter_context(console.stopping(link.session.stop))  # the server passes the signal on at its end
+            at_end.callback(lambda: echo(link.close()))
             link.feed.start()
 
         serve(lambda: ArrayModel(links[0].feed, links[0]), PAGE, description.title, *page, begin)

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 
 class LineColumns(NamedTuple):
-    """Numbers of the columns of a line: ``taxels`` of all boards, ``sequence``, and ``time`` with its unit [s]."""
+    """Number of columns of a line, those of the ``taxels`` of all boards, of ``sequence`` and ``time``, and its unit [s]."""
 
-    count: int
+    width: int
     taxels: Integers
     sequence: int | None
     time: int | None

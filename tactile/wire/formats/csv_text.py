@@ -140,7 +140,7 @@ class CsvDecoder(Decoder):
             if self._columns is None:
                 self._headless = f"no header line that fits the layout: {error}"
             return False
-        self._count, self._headless = self._columns.count, ""
+        self._count, self._headless = self._columns.width, ""
         return True
 
     def _found(self, length: int, cells: list[float], checked: bool) -> Found:
