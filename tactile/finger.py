@@ -53,9 +53,6 @@ class Finger:
 
     def _start(self) -> None:
         """Set the state before the first frame, and after a break of the stream, except that of the tare."""
-        from tactile.core.noise_numba import is_noise, is_within  # numba is slow to import
-
-        self._is_noise, self._is_within = is_noise, is_within
         array, modulus, settings = self.array, self._modulus, self._settings
         contact = settings.contact or CONTACT[array.quantity]
         machine = UniversalMachine(settings.backend, "float64")
@@ -146,18 +143,18 @@ class Finger:
 
     def locate(self, frame: Frame) -> Load:
         """Return the load under this finger: the inverse of every cell and their consensus, or their sum."""
+        from tactile.core.noise_numba import is_noise, is_within  # numba is slow to import
+
         if self._inverse is None:
             return summed(self._positions, frame.values, frame.valid, self._floor)
         values = frame.values
         if not frame.whole or self._leaves_out:
             values = np.where((frame.valid & ~self._left_out)[..., None], values, np.nan)
         noise = self._per_sigma if frame.whole and self._saturated is None else None
-        if self._is_within(values, self._dead_band) or (noise is not None and self._is_noise(frame.values, noise)):
+        if is_within(values, self._dead_band) or (noise is not None and is_noise(frame.values, noise)):
             return NO_LOAD
-        if self._point is not None and self._saturated is None:
-            load = self._point(values, self._weights)
-            if load is not None:
-                return load
+        if self._point and self._saturated is None and (load := self._point(values, self._weights)) is not None:
+            return load
         signals = {name: values[..., i] for i, name in enumerate(self._inverse.inputs)}
         planes = tuple(self._machine.run(self._inverse, **signals).values())
         if self._radial is not None:
@@ -245,8 +242,7 @@ class Finger:
 
     def tare_notes(self) -> tuple[TareNote, ...]:
         """Return the changes of the tare since the last call."""
-        notes = tuple(self.tare.notes)
-        self.tare.notes.clear()
+        notes, self.tare.notes = tuple(self.tare.notes), []
         return notes
 
     def program_outputs(self) -> Mapping[str, Mapping[str, Any]]:

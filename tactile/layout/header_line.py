@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class LineColumns(NamedTuple):
-    """Number of columns of a line, those of the ``taxels`` of all boards, of ``sequence`` and ``time``, and its unit [s]."""
+    """Number of columns; those of the ``taxels`` of all boards, of ``sequence`` and ``time``, and its unit [s]."""
 
     width: int
     taxels: Integers

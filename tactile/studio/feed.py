@@ -9,7 +9,6 @@ from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -24,6 +23,7 @@ from tactile.events.event import Event
 from tactile.finger import Finger
 from tactile.pipeline import FrameReport, Sink
 from tactile.settings import Settings
+from tactile.studio.event_log import Log, noted
 from tactile.thresholds.threshold import CONTACT, SHEAR
 
 MOST_BYTES = 256 * 2**20
@@ -36,31 +36,6 @@ MOST_AGAIN = 8000
 """Frames that are computed again at most, which takes about two seconds."""
 _COST = 4096
 """Bytes of a report without its planes."""
-
-
-Log = dict[tuple[str, str, float], Event]
-"""Events by their keys; a contact is on as many taxels as it pressed at most so far."""
-
-
-def noted(log: Log, report: FrameReport) -> None:
-    """Keep the events of a report, and the taxels of a contact that grows."""
-    for event in (*report.events, *report.ended):
-        log[event.key] = _on(event, _taxels(log.get(event.key)))
-    pressed = report.code.pressed
-    for key, event in reversed(log.items()) if pressed else ():
-        if key[:2] == (report.array.name, "contact"):
-            if event.end is None and pressed > _taxels(event):
-                log[key] = _on(event, pressed)
-            return
-
-
-def _taxels(event: Event | None) -> float:
-    return float(event.data.get("taxels", 0)) if event is not None and event.kind == "contact" else 0.0
-
-
-def _on(event: Event, taxels: float) -> Event:
-    """Return a contact on at least so many taxels."""
-    return replace(event, data={**event.data, "taxels": int(taxels)}) if taxels > _taxels(event) else event
 
 
 class Kept(NamedTuple):
