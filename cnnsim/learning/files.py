@@ -58,10 +58,11 @@ def entries_of(training: Training) -> list[LibraryEntry]:
         entry = LibraryEntry(
             template.name, f"{part} on {len(task.pairs)} pairs of pictures; {how}.",
             f"Trained by the gradient of the transient, seed {task.seed}{snapped}", template, stage.input,
-            stage.initial_state, around, "settled" if task.binary else stage.duration,
+            stage.initial_state, around,
+            "settled" if task.binary and task.frame_time is None else stage.duration,
             ("trained", "uncoupled" if template.uncoupled else "coupled", colour),
             examples=() if training.wrong else _examples(training, number),
-            note="Its outputs for other pictures are not proved.",
+            note="Its outputs for other pictures are not proved.", frame_time=task.frame_time,
         )  # fmt: skip
         found.append(replace(entry, margin=margin_of(entry).value))
     return found
@@ -70,10 +71,14 @@ def entries_of(training: Training) -> list[LibraryEntry]:
 def _examples(training: Training, number: int) -> tuple[Example, ...]:
     """Return the smallest pairs as a stage sees them; the output of a grey or inner stage is its own."""
     task, found = training.task, []
+    if task.times and task.times[-1] != task.stages[0].duration:
+        return ()  # an example has the output at the end
     for pair in sorted(task.pairs, key=lambda pair: pair.picture.size)[:EXAMPLES]:
         planes = [pair.picture, *outputs(task, training.templates, pair.picture, pair.given)]
         stage, exact = task.stages[number], task.binary and number == len(task.stages) - 1
         y = pair.target if exact else np.round(planes[number + 1], 6)
+        if task.times:
+            y = y[-1]
         second = pair.given if "given" in (stage.input, stage.initial_state) else None
         found.append(Example(np.round(planes[number], 6), second, y, tolerance=None if exact else TOLERANCE))
     return tuple(found)

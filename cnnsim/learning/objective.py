@@ -9,9 +9,10 @@ import numpy as np
 from cnnsim.learning.adjoint import AdjointTransient
 from cnnsim.learning.losses import Loss, loss_of, slope_of
 from cnnsim.learning.stage import Stage
-from cnnsim.network import Boundary
+from cnnsim.network import Boundary, Frames
 from cnnsim.network.characteristic import CLIP
-from cnnsim.support import Array, Floats
+from cnnsim.planning.step import check_whole_steps
+from cnnsim.support import Floats
 from cnnsim.task import make_task
 
 STEP = 0.1
@@ -26,7 +27,10 @@ Bengio, Leonard and Courville, "Estimating or propagating gradients through stoc
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """A picture, the outputs that it should give, and perhaps a second picture, all (rows, cols)."""
+    """A picture, the outputs that it should give, and perhaps a second picture, all (rows, cols).
+
+    Of a sequence the picture is (frames, rows, cols); with times of the targets these are (times, rows, cols).
+    """
 
     picture: Floats
     target: Floats
@@ -41,6 +45,14 @@ class Disturbance:
     mismatch: float = 0.0
 
 
+@dataclass(frozen=True)
+class Timing:
+    """Time between the frames of a sequence, None for pictures, and the times of its targets, none for the end."""
+
+    frame_time: float | None = None
+    times: tuple[float, ...] = ()
+
+
 class Objective:
     """The mean loss over all pairs, and over `DRAWS` fixed disturbances, if there are any, plus ``decay`` |p|^2 and
     ``sparsity`` sum |p|.
@@ -48,9 +60,9 @@ class Objective:
 
     def __init__(
         self, pairs: Sequence[Pair], stages: Sequence[Stage], boundary: Boundary, loss: Loss, disturbance: Disturbance,
-        penalties: tuple[float, float], seed: int,
+        penalties: tuple[float, float], seed: int, timing: Timing = Timing(),
     ) -> None:  # fmt: skip
-        self.stages, self._loss, self._penalties = stages, loss, penalties
+        self.stages, self._loss, self._penalties, self._timing = stages, loss, penalties, timing
         self.sizes = [stage.map.shape[1] for stage in stages]
         rng, disturbed = np.random.default_rng([seed, 0]), disturbance != Disturbance()
         self._factors = [
@@ -68,16 +80,25 @@ class Objective:
             noisy = [
                 np.clip(picture + disturbance.noise * rng.standard_normal(picture.shape), -1, 1) for _ in self._factors
             ]
-            runs = [self._run(stage, picture, boundary) for stage in stages]
+            runs = [self._run(stage, self._planes(picture), boundary) for stage in stages]
             self._batches.append((runs, noisy, given, target, len(some) / len(pairs)))
 
-    @staticmethod
-    def _run(stage: Stage, picture: Floats, boundary: Boundary) -> AdjointTransient:
+    def _planes(self, picture: Floats) -> list[Floats]:
+        """Return the frames of the pictures (n, rows, cols), one without a frame time."""
+        return [picture] if self._timing.frame_time is None else list(np.moveaxis(picture, 1, 0))
+
+    def _run(self, stage: Stage, planes: list[Floats], boundary: Boundary) -> AdjointTransient:
+        period = self._timing.frame_time
         task = make_task(
-            stage.template, state=np.zeros_like(picture), input=picture, boundary=boundary, duration=stage.duration,
-            scheme="euler", step=STEP, without=["closed form"],
+            stage.template, state=np.zeros_like(planes[0]), input=Frames(planes, period) if period else planes[0],
+            boundary=boundary, duration=stage.duration, scheme="euler", step=STEP, without=["closed form"],
         )  # fmt: skip
+        check_whole_steps([t for t in self._timing.times if t], task.plan.step)
         return AdjointTransient(task, task.plan.steps)
+
+    def _at(self, run: AdjointTransient) -> tuple[int, ...]:
+        """Return the steps of the loss."""
+        return tuple(round(t / STEP) for t in self._timing.times) or (run.steps,)
 
     def __call__(self, free: Floats) -> tuple[float, Floats]:
         """Return the objective and its derivative."""
@@ -94,7 +115,7 @@ class Objective:
                 loss, bar = loss_of(self._loss, x, target, CLIP)
                 weight = share / len(pictures)
                 value += weight * loss
-                pulled = self._backward(runs, weight * bar)
+                pulled = self._backward(runs, weight * (bar if self._timing.times else bar[:, None]))
                 slope += np.concatenate([
                     stage.map.T @ (f * own) for f, stage, own in zip(factors, self.stages, pulled, strict=True)
                 ])  # fmt: skip
@@ -102,29 +123,38 @@ class Objective:
         return value, slope
 
     def _forward(self, runs: list[AdjointTransient], numbers: list[Floats], picture: Floats, given: Floats) -> Floats:
-        before, self._ends = picture, []
+        before, self._ends, x = self._planes(picture), [], picture
         for stage, run, own in zip(self.stages, runs, numbers, strict=True):
-            planes = {"picture": before, "given": given}
-            for name in ("input", "initial_state"):
-                source = getattr(stage, name)
-                plane = planes[source] if isinstance(source, str) else np.full_like(picture, source)
-                if name == "input":
-                    run.inputs = [plane[:, None]]
-                else:
-                    run.state = plane[:, None]
-            x: Array = run.forward(own[:-1], own[-1:], (run.steps,))[run.steps][:, 0]
-            before = np.clip(x, -1, 1)
-            self._ends.append(x)
-        return self._ends[-1]
+            planes = {"picture": before, "given": [given]}
+            sources = {
+                name: planes[source] if isinstance(source, str) else [np.full_like(before[0], source)]
+                for name, source in (("input", stage.input), ("state", stage.initial_state))
+            }
+            run.inputs = [plane[:, None] for plane in sources["input"][: len(run.starts)]]
+            run.state = sources["state"][0][:, None]
+            states = run.forward(own[:-1], own[-1:], self._at(run))
+            x = np.stack([states[step][:, 0] for step in self._at(run)], axis=1)
+            before = [np.clip(x[:, -1], -1, 1)]
+            self._ends.append(x[:, -1])
+        return x if self._timing.times else x[:, 0]
 
     def _backward(self, runs: list[AdjointTransient], bar: Floats) -> list[Floats]:
         found: list[Floats] = []
         for number in range(len(runs) - 1, -1, -1):
             stage, run = self.stages[number], runs[number]
-            pulled = run.backward({run.steps: bar[:, None]})
+            pulled = run.backward(_by_step(self._at(run), bar))
             found.insert(0, np.append(pulled.weights, pulled.z))
             if number:
                 back = [plane for name, plane in (("input", pulled.input[0]), ("initial_state", pulled.state))
                         if getattr(stage, name) == "picture"]  # fmt: skip
-                bar = sum(plane[:, 0] for plane in back) * np.maximum(LEAK, slope_of(CLIP, self._ends[number - 1]))
+                slope = np.maximum(LEAK, slope_of(CLIP, self._ends[number - 1]))
+                bar = (sum(plane[:, 0] for plane in back) * slope)[:, None]
         return found
+
+
+def _by_step(at: tuple[int, ...], bar: Floats) -> dict[int, Floats]:
+    """Return the derivatives (n, times, rows, cols) by the step at whose state they are."""
+    found: dict[int, Floats] = {}
+    for number, step in enumerate(at):
+        found[step] = found.get(step, 0) + bar[:, number, None]
+    return found

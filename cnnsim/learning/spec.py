@@ -23,8 +23,8 @@ def read_training(path: Path) -> TrainingTask:
     """Read a training file: options of `TrainingTask`, [[pair]] and [[stage]] tables.
 
     A pair has the files ``input``, ``output`` and perhaps ``state`` (the second picture), each of one picture or of as
-    many as the others; paths are relative to the file. A stage has the keys of `Stage`; ``terms`` names a template
-    whose terms are trained.
+    many as the others; with a ``frame_time`` the pictures of a file are one sequence. Paths are relative to the file. A
+    stage has the keys of `Stage`; ``terms`` names a template whose terms are trained.
 
     Raises:
         InputError: unknown keys, pictures that cannot be read or differ in number; as `TrainingTask`.
@@ -36,7 +36,7 @@ def read_training(path: Path) -> TrainingTask:
     stages: list[Stage] = []
     for number, pair in enumerate(_tables(table, "pair", errors), start=1):
         with errors.collecting(pair, where=f"[[pair]] {number}"):
-            pairs += _pairs(path.parent, pair)
+            pairs += _pairs(path.parent, pair, table)
     for number, stage in enumerate(_tables(table, "stage", errors), start=1):
         with errors.collecting(stage, where=f"[[stage]] {number}"):
             stages.append(_stage(stage))
@@ -53,10 +53,13 @@ def _tables(table: Mapping[str, Any], key: str, errors: ErrorList) -> list[dict[
     return []
 
 
-def _pairs(folder: Path, table: Mapping[str, Any]) -> list[tuple[Any, ...]]:
+def _pairs(folder: Path, table: Mapping[str, Any], options: Mapping[str, Any]) -> list[tuple[Any, ...]]:
     check_keys(table, ("input", "output", "state"), required=("input", "output"))
     keys = [key for key in ("input", "output", "state") if key in table]
     found = [read_pictures(folder / take(table, key, str, "pair")) for key in keys]
+    if "frame_time" in options:
+        second = [pictures[0] for pictures in found[2:]]
+        return [(found[0], found[1] if options.get("times") else found[1][-1], *second)]
     if len({len(pictures) for pictures in found}) > 1:
         numbers = ", ".join(f"{key} has {len(pictures)} pictures" for key, pictures in zip(keys, found, strict=True))
         raise InputError(f"{numbers}; one number wanted")

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from cnnsim.learning.objective import Disturbance, Objective
+from cnnsim.learning.objective import Disturbance, Objective, Timing
 from cnnsim.learning.snap import snapped
 from cnnsim.learning.training_task import TrainingTask
-from cnnsim.network import Template
+from cnnsim.network import Frames, Template
 from cnnsim.network.boundary import parse_boundary
 from cnnsim.planning.step import Duration
 from cnnsim.support import Array, Floats, InputError
@@ -59,27 +59,38 @@ class Training:
 
 
 def outputs(task: TrainingTask, templates: Sequence[Template], picture: Array, second: Array | None) -> list[Array]:
-    """Return the outputs of all stages: settled ones for black and white, else after the stage's duration."""
+    """Return the outputs of all stages: settled ones for black and white, else after the stage's duration.
+
+    Of sequences they are those at the end, or (times, rows, cols) at the times of the task.
+    """
     found: list[Array] = []
+    frames = None if task.frame_time is None else Frames(list(picture), task.frame_time)
     for stage, template in zip(task.stages, templates, strict=True):
-        planes = {"picture": found[-1] if found else picture, "given": second}
-        u, x = (planes[s] if isinstance(s, str) else np.full(np.shape(picture), float(s))
-                for s in (stage.input, stage.initial_state))  # fmt: skip
-        assert x is not None
-        duration: Duration = "settled" if task.binary else stage.duration
-        ran = run_transient(
-            template, state=x, input=u, boundary=parse_boundary(task.boundary), duration=duration, dtype="float64"
+        before = found[-1] if found else picture
+        first = before if frames is None else frames.planes[0]
+        shown, state = (
+            {"picture": plane, "given": second}[source] if isinstance(source, str) else np.full(first.shape, source)
+            for source, plane in ((stage.input, frames or before), (stage.initial_state, first))
         )
-        found.append(ran.y)
+        duration: Duration = "settled" if task.binary and frames is None else stage.duration
+
+        def after(duration: Duration, template: Template = template, given: tuple[Any, Any] = (state, shown)) -> Array:
+            around = parse_boundary(task.boundary)
+            ran = run_transient(
+                template, state=given[0], input=given[1], boundary=around, duration=duration, dtype="float64"
+            )
+            return ran.y
+
+        found.append(np.stack([after(t) for t in task.times]) if task.times else after(duration))
     return found
 
 
 def train(task: TrainingTask, record: Path | None = None) -> Training:
-    """Train templates on pairs of pictures by the gradient of the whole transient, and return the best of all starts.
+    """Train templates on pairs of pictures or sequences by the gradient of the whole transient.
 
-    A start ends the search if all cells of black and white pictures are right. Their weights are then snapped to as
-    coarse a grid as keeps that and the margin. ``record`` is a file that is written during the training; an unfinished
-    one of the same task is resumed.
+    The best of all starts is returned. A start ends the search if all cells of black and white pictures are right.
+    Their weights are then snapped to as coarse a grid as keeps that and the margin. ``record`` is a file that is
+    written during the training; an unfinished one of the same task is resumed.
 
     Raises:
         InputError: the record is of another task.
@@ -111,7 +122,7 @@ class _Search:
         self._task, self._record = task, record
         self.objective = Objective(
             task.pairs, task.stages, parse_boundary(task.boundary), task.loss, Disturbance(task.noise, task.mismatch),
-            (task.decay, task.sparsity), task.seed,
+            (task.decay, task.sparsity), task.seed, Timing(task.frame_time, tuple(task.times)),
         )  # fmt: skip
         self.centre = np.concatenate([stage.self_feedback for stage in task.stages])
         self.start, self.curve, self._now = 0, list[float](), list[float]()

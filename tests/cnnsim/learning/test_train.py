@@ -11,9 +11,22 @@ import pytest
 from click.testing import CliRunner
 from scipy.ndimage import gaussian_filter
 
-from cnnsim import InputError, Stage, Training, TrainingTask, library, load_program, run, run_program, train
+from cnnsim import (
+    Frames,
+    InputError,
+    Stage,
+    Template,
+    Training,
+    TrainingTask,
+    library,
+    load_program,
+    run,
+    run_program,
+    run_transient,
+    train,
+)
 from cnnsim.cli.group import main
-from cnnsim.learning.objective import Disturbance, Objective
+from cnnsim.learning.objective import Disturbance, Objective, Timing
 from cnnsim.learning.spec import read_training
 from cnnsim.network import ZERO_FLUX
 from cnnsim.prototyping.robust.margin import margin_of
@@ -104,6 +117,50 @@ def test_two_stages_become_a_program(tmp_path: Path) -> None:
     *_, program, _ = found.write(tmp_path)
     y = run_program(load_program(program), backend="reference", picture=pictures[0])["stage_2"]
     np.testing.assert_allclose(y, found(pictures[0]), atol=1e-9)
+
+
+def test_a_template_is_learned_from_sequences_with_targets_at_given_times(tmp_path: Path) -> None:
+    """The outputs of another template on sequences at three times give back its weights, but for small errors."""
+    teacher = Template([[0.5]], [[0, 0.3, 0], [0.2, 0.6, 0], [0, -0.3, 0]], 0.1)
+    sequences, times = np.random.default_rng(3).uniform(-1, 1, (4, 3, 6, 7)), (0.5, 1.5, 3.0)
+    given = {"state": 0.0 * sequences[0, 0], "boundary": ZERO_FLUX, "dtype": "float64"}
+    pairs = [
+        (frames, np.stack([run_transient(teacher, input=Frames(frames, 1.0), duration=t, **given).y for t in times]))
+        for frames in sequences
+    ]
+    stage = Stage(A=[["free"]], initial_state=0.0, duration=3.0)
+    task = TrainingTask(pairs, [stage], "told", ZERO_FLUX, decay=0.0, starts=1, frame_time=1.0, times=times)
+    found = train(task)
+    assert found.error < 0.01
+    np.testing.assert_allclose(found.templates[0].A, teacher.A, atol=0.05)
+    np.testing.assert_allclose(found.templates[0].B, teacher.B, atol=0.05)
+    path, _ = found.write(tmp_path)
+    entry = library.load(str(path))
+    assert (entry.frame_time, len(entry.examples)) == (1.0, 2)
+    assert all(example.holds(library.run_example(entry, example).y) for example in entry.examples)
+    objective = Objective(task.pairs, task.stages, ZERO_FLUX, "squares", Disturbance(), (0, 0), 0, Timing(1.0, times))
+    free, way = np.random.default_rng(0).normal(size=(2, 11)) / 3
+    slope = (objective(free + 1e-6 * way)[0] - objective(free - 1e-6 * way)[0]) / 2e-6
+    assert objective(free)[1] @ way == pytest.approx(slope, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"frame_time": 1.0}, r"pair 1: picture has shape \(4, 4\); \(frames, rows, cols\) wanted"),
+        ({"frame_time": 0.0}, "frame_time 0.0; a positive number"),
+        ({"frame_time": 1.0, "times": [1.0, 11.0]}, "times 11.0; times of the targets above 0, up to the duration 10"),
+        (
+            {"frame_time": 3.0, "pairs": [(np.ones((4, 2, 2)), np.ones((2, 2)))]},
+            "4 frames last 12; a stage of that duration",
+        ),
+        ({"times": [1.0]}, "frame_time None; a positive number"),
+        ({"frame_time": 1.0, "stages": [Stage(), Stage()]}, "sequences and 2 stages; one stage wanted"),
+    ],
+)
+def test_wrong_sequences_are_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        TrainingTask(**{"pairs": [(np.ones((4, 4)), np.ones((4, 4)))], **changes})
 
 
 def test_the_objective_has_the_derivative_of_finite_differences() -> None:
