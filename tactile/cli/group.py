@@ -15,6 +15,7 @@ from tactile.cli.devices import emulate, ports
 from tactile.cli.explain import explain
 from tactile.cli.files import convert, new
 from tactile.cli.layout import layout
+from tactile.cli.learn import learn
 from tactile.cli.planes import codes, planes
 from tactile.cli.run import run
 from tactile.cli.score import score
@@ -42,7 +43,8 @@ def main() -> None:
 
 
 for command in (
-    run, score, sweep_command(SWEEPS, "tactile", "grips.toml", "seed,frames"), texture, planes, codes, new, calibrate,
-    explain, accuracy, ports, emulate, record, replay, convert, layout, live, studio, examples_command("tactile"),
+    run, score, learn, sweep_command(SWEEPS, "tactile", "grips.toml", "seed,frames"), texture, planes, codes, new,
+    calibrate, explain, accuracy, ports, emulate, record, replay, convert, layout, live, studio,
+    examples_command("tactile"),
 ):  # fmt: skip
     main.add_command(command)

@@ -4,6 +4,8 @@ import numpy as np
 
 from cnnsim.support import Floats
 
+KINDS = ("contact", "release", "tangential_load", "slip")
+"""Kinds of the events of `baseline`."""
 TARE = 100
 """Number of frames averaged at the start, which also give the noise."""
 SIGMAS = 8.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 from typing import Self
 
@@ -44,18 +45,21 @@ class LabelledSource:
         return replace(self, source=with_frames(self.source, list(self.source)))
 
 
-def read_labels(path: Path) -> list[Labelled]:
+def read_labels(path: Path, kind: str | None = None) -> list[Labelled]:
     """Return the rows of a label file: recording, sensor (0, 1, ...) and columns of times [s], empty if unknown.
+
+    The times of another ``kind`` of event are in a column of its name and ``_s``.
 
     Raises:
         InputError: no such file, a missing column, an invalid number.
     """
     lines, columns = read_lines(path)
+    truths = TRUTHS if kind is None or kind in TRUTHS.values() else {**TRUTHS, f"{kind}_s": kind}
     missing = {"recording", "sensor"} - set(columns)
-    known = [column for column in TRUTHS if column in columns]
+    known = [column for column in truths if column in columns]
     if missing or not known:
         raise InputError(
-            f"{path}: columns {', '.join(columns)}; recording, sensor and one of {', '.join(TRUTHS)} wanted"
+            f"{path}: columns {', '.join(columns)}; recording, sensor and one of {', '.join(truths)} wanted"
         )
     labels = []
     for n, line in enumerate(lines, 2):
@@ -64,7 +68,9 @@ def read_labels(path: Path) -> list[Labelled]:
             finger = int(line["sensor"])
         except (TypeError, ValueError) as error:  # TypeError: an incomplete line
             raise InputError(f"{path}, line {n}: {error}; numbers wanted") from error
+        if wrong := [f"{name} = {one}" for name, one in numbers.items() if not isfinite(one)]:
+            raise InputError(f"{path}, line {n}: {', '.join(wrong)}; finite times wanted")
         holds = (numbers[HOLD[0]] + SETTLING, numbers[HOLD[1]]) if all(name in numbers for name in HOLD) else None
-        times = {TRUTHS[name]: numbers[name] for name in known if name in numbers}
+        times = {truths[name]: numbers[name] for name in known if name in numbers}
         labels.append(Labelled(line["recording"], finger, times, holds, numbers.get(FLAG)))
     return labels

@@ -114,14 +114,28 @@ def drift(slope: float) -> Change:
     )
 
 
-def frozen(taken: Readings, unit: float, rng: np.random.Generator) -> Readings:
-    """Freeze the most pressed taxel in the middle of the frames in which its load is above half of its largest."""
+def _most_pressed(taken: Readings) -> tuple[Floats, int, int]:
+    """Return the load of all taxels (n, rows, cols), and the row and column of the most pressed one."""
     load = np.abs(taken.values[..., NORMAL] - taken.values[0, ..., NORMAL])
     row, col = np.unravel_index(int(np.nanargmax(np.nanmean(load, axis=0))), load.shape[1:])
+    return load, int(row), int(col)
+
+
+def frozen(taken: Readings, unit: float, rng: np.random.Generator) -> Readings:
+    """Freeze the most pressed taxel in the middle of the frames in which its load is above half of its largest."""
+    load, row, col = _most_pressed(taken)
     loaded = np.flatnonzero(load[:, row, col] > np.nanmax(load[:, row, col]) / 2)
     held = np.flatnonzero(load[:, row, col] > np.nanmedian(load[loaded[0] : loaded[-1] + 1, row, col]) / 2)
     start, values = int(held[len(held) // 2]), taken.values.copy()
     values[start:, row, col] = values[start, row, col]
+    return taken._replace(values=values)
+
+
+def dead(taken: Readings, unit: float, rng: np.random.Generator) -> Readings:
+    """Hold the most pressed taxel at its first reading in all frames."""
+    _, row, col = _most_pressed(taken)
+    values = taken.values.copy()
+    values[:, row, col] = values[0, row, col]
     return taken._replace(values=values)
 
 
@@ -153,8 +167,9 @@ def unchanged(taken: Readings, unit: float, rng: np.random.Generator) -> Reading
     return taken
 
 
+UNCHANGED = Perturbation("unchanged", "unchanged", unchanged)
 ALL = (
-    Perturbation("unchanged", "unchanged", unchanged),
+    UNCHANGED,
     *(Perturbation("steps", f"steps {1e3 * size:g} mN", steps(size)) for size in (0.005, 0.01, 0.02, 0.05, 0.1)),
     *(Perturbation("tempo", f"tempo x {one:g}", tempo(one), one) for one in (1 / 16, 1 / 4, 1 / 2, 2.0, 4.0)),
     *(Perturbation("rate", f"rate {one:g} Hz", rate(one)) for one in (25.0, 50.0, 100.0, 250.0, 1000.0)),
@@ -166,6 +181,7 @@ ALL = (
     Perturbation("noise", "white noise of 10 mN", noise(0.01)),
     Perturbation("drift", "drift of 100 mN/s", drift(0.1)),
     Perturbation("frozen", "a taxel freezes", frozen),
+    Perturbation("dead", "the most pressed taxel is dead", dead),
     Perturbation("repeated", "three of four rows repeated", repeated),
     *(Perturbation("gain", f"gain x {one:g}", gain(one)) for one in (0.01, 0.1, 10.0, 100.0)),
     *(Perturbation("rotation", f"axes rotated by {one:g} degrees", rotation(one)) for one in (45.0, 90.0)),
