@@ -16,8 +16,8 @@ def detector_text(one: Learned, name: str, kind: str, source: str) -> str:
     """
     unit = 2.0 ** -ceil(log2(float((np.abs(one.weights) * (1, 8)).sum() + abs(one.z))))
     templates, steps = [], [*one.front.steps, f'{{ fill = {one.z * unit}, to = "drive" }},']
-    for n, (plane, (own, beside)) in enumerate(zip(one.front.names, one.weights.tolist(), strict=True)):
-        c, r = own * unit, beside * unit
+    for n, (plane, (own, ring)) in enumerate(zip(one.front.names, one.weights.tolist(), strict=True)):
+        c, r = own * unit, ring * unit
         b = f"[[{r}, {r}, {r}], [{r}, {c}, {r}], [{r}, {r}, {r}]]" if r else f"[[{c}]]"
         templates.append(f'part-{n} = {{ A = [[0]], B = {b}, boundary = "zero-flux" }}  # {plane}')
         steps.append(f'{{ template = "part-{n}", input = "{plane}", state = 0, bias = "drive", to = "drive" }},')

@@ -12,11 +12,11 @@ from tactile.learning.front import KEPT, Front
 from tactile.score.match import WINDOW, Tally
 
 GUARD, NEAR = 0.03, 0.15
-"""[s] Frames so little before an onset are not used; frames within this time of an onset are all used."""
+"""[s] Frames less than the first before an onset are not used; frames within the second of an onset are all used."""
 EVERY, CELLS = 4, 12
-"""One frame of so many is used elsewhere; most touched taxels of a frame."""
+"""Elsewhere one frame in this number is used; the mean number of taxels of a frame that are used."""
 DECAY, SPARSITY, ROUNDS = 1e-5, 3e-4, (4, 2, 1)
-"""Weights of the sum of squares and of moduli; the largest weights are kept, so many times the limit in each round."""
+"""Penalties on squares and moduli of the weights; each round keeps this multiple of the limit, the largest weights."""
 SHIFTS, CONFIRMS, RELEASE = (0.0, -0.5, -0.25, 0.25, 0.5), (0.0, 0.01, 0.02, 0.04, 0.08), 0.25
 """Tried shifts of the drive, and times [s] for which the event must last; time off [s] after which it has ended."""
 LEVELS = (8, 16, 32, 64, 1024)
@@ -41,9 +41,9 @@ class Learned:
     def drive(self, example: Example, names: Sequence[str]) -> Floats:
         """Return the drive (n, rows, cols) of the planes of an example, which are ``names``, without z."""
         total = np.zeros(example.touch.shape)
-        for name, (own, beside) in zip(self.front.names, self.weights, strict=True):
+        for name, (own, ring) in zip(self.front.names, self.weights, strict=True):
             values = example.planes[:, names.index(name)].astype(np.float32)
-            total += own * values + (beside * around(values) if beside else 0)
+            total += own * values + (ring * around(values) if ring else 0)
         return total
 
     def tally(self, examples: Sequence[Example], drives: Sequence[Floats], window: float = WINDOW) -> Tally:

@@ -137,7 +137,7 @@ def frame_data(frame: StreamFrame, events: EventData) -> dict[str, Any]:
     }  # fmt: skip
 
 
-_encode = json.JSONEncoder(allow_nan=False).encode  # made once: `json.dumps` makes it anew for every frame
+_encode = json.JSONEncoder(allow_nan=False).encode  # made once: `json.dumps` makes one for every frame
 
 
 def frame_json(frame: StreamFrame, data: dict[str, Any]) -> str:

@@ -26,5 +26,5 @@ def _taxels(event: Event | None) -> float:
 
 
 def _on(event: Event, taxels: float) -> Event:
-    """Return a contact on at least so many taxels."""
+    """Return a contact whose number of taxels is at least this."""
     return replace(event, data={**event.data, "taxels": int(taxels)}) if taxels > _taxels(event) else event
