@@ -56,7 +56,7 @@ class Publisher:
                     f" a datagram {LARGEST}; {'a smaller array' if packed else '--msgpack or a smaller array'} wanted"
                 )
         self.address, self.sent, self.unsent = address, 0, 0
-        self._encode = _packer() if packed else _json
+        self._encode = _packer() if packed else frame_json
         try:
             found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
             kind, _, _, _, to = min(found, key=lambda one: one[0] != socket.AF_INET)  # as listeners mostly do
@@ -78,10 +78,6 @@ class Publisher:
     def close(self) -> None:
         """Close the socket."""
         self._socket.close()
-
-
-def _json(frame: StreamFrame, data: dict[str, Any]) -> bytes:
-    return frame_json(frame, data).encode()
 
 
 def _packer() -> Callable[[StreamFrame, dict[str, Any]], bytes]:

@@ -1,12 +1,12 @@
 """Frames for control loops: tared taxels, load, code, events and slip margin, and the same as plain data."""
 
-import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import orjson
 
 from cnnsim.support import Flags, Floats
 from tactile.core.frame import TaxelArray
@@ -108,9 +108,6 @@ class FrameSink:
     """A sink that passes each frame to ``outputs``; ``convert.start_ns`` is the Unix time at which t is 0."""
 
     def __init__(self, arrays: tuple[TaxelArray, ...], outputs: Iterable[FrameOutput]) -> None:
-        from tactile.output.json_values_numba import write  # numba is slow to import
-
-        write(np.zeros((1, 1, 3)), np.ones((1, 1), bool), np.empty(61, np.uint8))  # compiled before the first frame
         self.convert = StreamFrames()
         self._events, self._outputs = EventData(arrays), tuple(outputs)
 
@@ -137,17 +134,10 @@ def frame_data(frame: StreamFrame, events: EventData) -> dict[str, Any]:
     }  # fmt: skip
 
 
-_encode = json.JSONEncoder(allow_nan=False).encode  # made once: `json.dumps` makes one for every frame
-
-
-def frame_json(frame: StreamFrame, data: dict[str, Any]) -> str:
+def frame_json(frame: StreamFrame, data: dict[str, Any]) -> bytes:
     """Return a frame as a JSON object: its ``data`` and the values (rows, cols, 3), null where they are not valid.
 
-    Values have nine digits, enough for the bits of float32.
+    Values have the digits that give their bits as float32.
     """
-    from tactile.output.json_values_numba import write  # numba is slow to import
-
-    rows, cols, axes = frame.values.shape
-    text = np.empty(rows * (4 + cols * (3 + axes * 18)), np.uint8)
-    length = write(np.ascontiguousarray(frame.values, np.float64), frame.valid, text)
-    return f'{_encode(data)[:-1]}, "values": {text[:length].tobytes().decode("ascii")}}}'
+    values = np.where(frame.valid[..., None], frame.values, np.nan).astype(np.float32)
+    return orjson.dumps({**data, "values": values}, option=orjson.OPT_SERIALIZE_NUMPY)

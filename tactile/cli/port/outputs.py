@@ -71,7 +71,7 @@ class LiveOutputs:
         from tactile.output.stream_frame import FrameOutput, FrameSink, frame_json  # imported when used
 
         def say(frame: "StreamFrame", data: dict[str, Any]) -> None:
-            sys.stdout.write(frame_json(frame, data) + "\n")
+            sys.stdout.write(frame_json(frame, data).decode() + "\n")
             sys.stdout.flush()
 
         outputs: list[FrameOutput] = [say] if self._choices.every_frame else []
