@@ -146,6 +146,8 @@ def warm_up(
     The grip has all stages of a real one: idle frames for a tare, a firm touch, a pull, a slip, two loads at once and a
     stuck taxel, and idle frames again, above every level of the settings.
     """
+    from tactile.core.noise_numba import is_noise  # numba is slow to import
+
     made = []
     for finger, array in enumerate(arrays):
         size = WARM * max(
@@ -160,6 +162,7 @@ def warm_up(
     requests = deque([False] * (tare == "auto"))
     stream = FrameStream("made up", arrays, modulus, len(made), made, tare_requests=requests)
     run(stream, replace(settings, tare=tare), sinks)
+    is_noise(np.zeros((1, 1, 3)), np.zeros((1, 1, 3)))  # the made-up grip has no noise
 
 
 def _touch(array: TaxelArray, modulus: float | None) -> Floats:
