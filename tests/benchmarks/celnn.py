@@ -90,9 +90,9 @@ def compare(
     for seed in range(-1 if warm else 0, seeds):  # the first compiles loops and imports packages
         pictures, targets = blobs(8, shape, max(seed, 0))
         unseen, wanted = blobs(UNSEEN, shape, 100 + seed)
-        begun = process_time()
+        start = process_time()
         found = learn(pictures, targets, max(seed, 0))
-        seconds = process_time() - begun
+        seconds = process_time() - start
         right = float((found(unseen) * wanted > 0).mean())
         if seed < 0:
             continue

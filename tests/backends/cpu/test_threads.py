@@ -1,5 +1,8 @@
 """The number of threads is checked, and changes the time alone."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -73,3 +76,15 @@ def test_programs_and_command_lines_take_it_too(tmp_path: Path) -> None:
         many = CliRunner().invoke(main, [*texts, "--threads", "10000"])
         assert many.exit_code == 2
         assert "the number of cores" in many.output
+
+
+def test_waiting_threads_sleep() -> None:
+    """OpenMP prints what it has read when the first loop starts its threads."""
+    code = (
+        "import numpy as np; from cnnsim.backends.cpu.planes import clip; x = np.zeros((1, 9, 9)); clip.threaded(x, x)"
+    )
+    where = {key: value for key, value in os.environ.items() if key != "OMP_WAIT_POLICY"} | {"OMP_DISPLAY_ENV": "true"}
+    ran = subprocess.run([sys.executable, "-c", code], env=where, capture_output=True, text=True, check=True)
+    if "OPENMP DISPLAY" not in ran.stderr:
+        pytest.skip("numba's threads are not those of OpenMP")
+    assert "OMP_WAIT_POLICY = 'PASSIVE'" in ran.stderr

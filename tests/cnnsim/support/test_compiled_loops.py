@@ -1,4 +1,4 @@
-"""Compiled loops on disk: what is out of date is compiled again, folders of others are not used."""
+"""Compiled loops on disk: what is damaged or out of date is compiled again, folders of others are not used."""
 
 import os
 import resource
@@ -64,6 +64,16 @@ def test_a_full_disk_keeps_nothing_and_stops_nothing(cache: Path) -> None:
     place, hits, told = run(cache, full=True)
     assert (place != cache, hits) == (True, 0)
     assert "loops are compiled again each time" in told
+
+
+@pytest.mark.parametrize("kept", ["*.nbc", "*.nbi"])
+@pytest.mark.parametrize("damage", [b"", os.urandom(5000)], ids=["empty", "garbage"])
+def test_a_damaged_file_is_compiled_again(cache: Path, damage: bytes, kept: str) -> None:
+    run(cache)
+    (file,) = cache.glob(kept)
+    file.write_bytes(damage)
+    assert run(cache) == (cache, 0, "")
+    assert run(cache) == (cache, 1, "")
 
 
 def test_a_folder_that_others_can_write_is_left_in_silence_for_one_of_the_users_own(cache: Path) -> None:
