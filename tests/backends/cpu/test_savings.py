@@ -9,9 +9,13 @@ from hypothesis import strategies as st
 
 from cnnsim import library
 from cnnsim.backends import get
+from cnnsim.backends.cpu.backend import CpuBackend
+from cnnsim.backends.cpu.tiles.euler import TILE_COLS
+from cnnsim.backends.cpu.tiles.rows import PAD, STRIDE
 from cnnsim.convergence import NotSettledError
 from cnnsim.network import PERIODIC, ZERO_FLUX, Boundary, Template, fixed
 from cnnsim.planning.plan import make_plan
+from cnnsim.planning.savings import MOST_HALO
 from cnnsim.result import Result
 from cnnsim.support import InputError
 from cnnsim.transient import run_transient
@@ -43,6 +47,11 @@ def states(shape: tuple[int, ...], seed: int = 0) -> Any:
     return np.random.default_rng(seed).uniform(-1.5, 1.5, shape)
 
 
+def test_a_row_of_a_tile_with_its_halo_fits_into_a_row_of_the_buffers() -> None:
+    vectors = -(-(TILE_COLS + 2 * MOST_HALO) // PAD)
+    assert PAD * vectors + 2 * PAD <= STRIDE
+
+
 def same(one: Result, other: Result) -> None:
     np.testing.assert_array_equal(one.x, other.x)
     assert (one.t, one.settled) == (other.t, other.settled)
@@ -51,11 +60,12 @@ def same(one: Result, other: Result) -> None:
 
 @pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)
 @pytest.mark.parametrize("template", TEMPLATES, ids=lambda t: t.name)
-def test_many_steps_a_pass_are_one_step_a_pass_bit_for_bit(template: Template, boundary: Boundary) -> None:
+@pytest.mark.parametrize("dtype", BACKENDS)
+def test_many_steps_a_pass_are_one_step_a_pass_bit_for_bit(template: Template, boundary: Boundary, dtype: str) -> None:
     for shape in SHAPES:
         x = states(shape)
-        same(run(template, x, boundary, duration=3.7),
-             run(template, x, boundary, duration=3.7, without=["blocking"]))  # fmt: skip
+        same(run(template, x, boundary, dtype, duration=3.7),
+             run(template, x, boundary, dtype, duration=3.7, without=["blocking"]))  # fmt: skip
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)
@@ -126,6 +136,24 @@ def test_what_a_fast_front_runs_into_has_taken_all_its_steps(
     assert asleep.x.tobytes() == awake.x.tobytes()
 
 
+@pytest.mark.parametrize("boundary", [fixed(-1), ZERO_FLUX, PERIODIC], ids=str)
+def test_sleeping_tiles_wake_up_where_a_wave_comes(boundary: Boundary) -> None:
+    rng = np.random.default_rng(8)
+    picture = np.where(rng.random((150, 210)) > 0.93, 1.0, -1.0)
+    picture[40:110, 60] = picture[40:110, 160] = picture[40, 60:160] = picture[110, 60:160] = 1
+    for name in ("hole-filler", "connected-components-horizontal", "shadow-left"):
+        entry = library.load(name)
+        task: dict[str, Any] = {**entry.planes(picture), "boundary": boundary, "limit": 900.0}
+        results = []
+        for without in ([], ["sleep"], ["sleep", "blocking", "sparse taps"]):
+            try:
+                results.append(run_transient(entry.template, **task, without=without))
+            except NotSettledError as error:
+                results.append(error.result)
+        same(results[0], results[1])
+        same(results[0], results[2])
+
+
 @settings(max_examples=60)
 @given(
     st.lists(st.sampled_from([0.0, 0.0, 1.0, -0.5, 0.3]), min_size=9, max_size=9),
@@ -163,6 +191,36 @@ def test_the_closed_form_is_where_the_steps_go(name: str) -> None:
     one, other = (run_transient(entry.template, **task, without=w) for w in ([], ["closed form"]))
     np.testing.assert_array_equal(np.sign(one.y), np.sign(other.y))
     np.testing.assert_allclose(one.y, other.y, atol=2e-3)  # the steps stop where |dx/dt| <= 1e-4
+
+
+@pytest.mark.parametrize("shape", [(1, 5000), (5000, 3), (1, 1)])
+@pytest.mark.parametrize("dtype", BACKENDS)
+def test_thin_grids(shape: tuple[int, int], dtype: str) -> None:
+    x = states(shape)
+    for boundary in BOUNDARIES:
+        want = run_transient(NINE, state=x, input=np.sin(9 * x), boundary=boundary, duration=2.0, backend="reference")
+        got = run(NINE, x, boundary, dtype, duration=2.0)
+        np.testing.assert_allclose(got.x, want.x, atol=1e-12 if dtype == "float64" else 1e-5)
+        same(got, run(NINE, x, boundary, dtype, duration=2.0, without=["blocking"]))
+
+
+@pytest.mark.parametrize("savings", [[], ["sleep"], ["blocking"], ["closed form"]])
+@pytest.mark.parametrize("template", [HOLES, NINE, Template(2, [[0, 1, 0], [0, 1, 0], [0, 0, 0]], 0.5, "uncoupled")])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_state_that_is_no_number_is_found(template: Template, savings: list[str], value: float) -> None:
+    backend = CpuBackend("float32")
+    x = states((40, 150)).astype(np.float32)
+    x[17, 130] = value
+    plan = make_plan(template, x.shape, ZERO_FLUX, limit=5.0, without=savings)
+    with pytest.raises(InputError, match=r"nan|inf"):
+        backend.transient(plan, backend.load(x, "lam"), backend.load(np.ones_like(x), "lam"))
+
+
+def test_a_batch_is_its_grids_one_by_one() -> None:
+    x = states((5, 40, 70))
+    whole = run(HOLES, x, fixed(-1), duration=5.0)
+    for grid, state in zip(whole.x, x, strict=True):
+        np.testing.assert_array_equal(grid, run(HOLES, state, fixed(-1), duration=5.0).x)
 
 
 def test_what_is_switched_off_is_said() -> None:

@@ -3,9 +3,11 @@
 from typing import Any
 
 import numpy as np
+import pyopencl as cl
 import pytest
 
 from cnnsim import PERIODIC, ZERO_FLUX, Template, fixed, library
+from cnnsim.backends.opencl.linear_steps import DeviceLinearSteps
 from cnnsim.task import make_task
 from tests.kits.opencl import OpenCLBackend
 
@@ -48,3 +50,24 @@ def test_masked_tiles_that_read_far_sleep_and_wake_up() -> None:
     np.testing.assert_array_equal(ends[0][0], ends[1][0])
     np.testing.assert_equal(ends[0][1:], ends[1][1:])
     assert ends[0][2] and np.mean(ends[0][0][0] < 0) > 0.2
+
+
+def test_a_tile_coasts_while_no_output_in_it_can_change_and_then_sleeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry, backend, seen = library.load("hole-filler"), OpenCLBackend("float32", family="cpu"), list[Any]()
+    steps = DeviceLinearSteps.advance
+
+    def advance(self: Any, step: int, count: int) -> None:
+        steps(self, step, count)
+        found = np.empty(self._tiles.number, np.uint8)
+        cl.enqueue_copy(self._context.queue, found, self._moved[(self._launches - 1) % 2])
+        seen.append(found)
+
+    monkeypatch.setattr(DeviceLinearSteps, "advance", advance)
+    picture = np.full((2, 150, 265), -1.0)
+    picture[0] = 1  # nothing can change in this grid, and in the other a wave goes through all
+    planes: dict[str, Any] = {k: np.broadcast_to(plane, picture.shape) for k, plane in entry.planes(picture).items()}
+    make_task(entry.template, **planes, boundary=fixed(-1.0), limit=40.0).start(backend)
+    flags = np.array(seen).reshape(len(seen), 2, -1)
+    assert (flags[:, 0] <= 1).all() and (flags[:5, 0] == 1).all(), "it coasts: its states still change"
+    assert (flags[-1, 0] == 0).all(), "it sleeps"
+    assert (flags[-1, 1] > 1).any(), "the other one is awake"

@@ -93,6 +93,12 @@ def test_two_candidates_for_the_false_reading_make_the_load_ambiguous() -> None:
         assert one.load.validity is Validity.AMBIGUOUS
 
 
+def test_a_place_with_sigma_above_half_a_depth_is_ambiguous() -> None:
+    for n in range(100):
+        one = trial("turned", np.random.default_rng((35, KINDS.index("turned"), n)), LINES)
+        assert not one.inside or max(one.load.sigma[:2]) <= 0.5 * DEPTH
+
+
 @pytest.mark.parametrize(
     ("kind", "most"),
     [("dead", 0.02), ("silent", 0.02), ("turned", 0.02), ("clipped", 0.02), ("stuck", 0.03), ("ball", 0.03)],

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver, QuiverKey
 
@@ -54,6 +55,18 @@ def quiver(plane: Any) -> Any:
     return arrows
 
 
+def test_a_constant_signal_has_sensible_limits() -> None:
+    figure, _ = drawn(pressed(3))
+    normal = axis(figure, "normal [N]")
+    low, high = normal.get_ylim()
+    assert high - low > 0.05
+    assert low < 0.5 < high
+    figure.draw_without_rendering()
+    assert normal.yaxis.get_offset_text().get_text() == ""
+    low, high = axis(figure, "shear").get_ylim()
+    assert high - low > 0.05
+
+
 @pytest.mark.parametrize(("shear", "key"), [(3e-3, 0.1), (0.3, 0.2), (1.0, 1.0), (7.0, 5.0)])
 def test_the_key_states_the_scale_of_the_arrows(shear: float, key: float) -> None:
     """The longest arrow fits a taxel; arrows below the dead band stay short."""
@@ -67,6 +80,30 @@ def test_the_key_states_the_scale_of_the_arrows(shear: float, key: float) -> Non
     length = np.hypot(arrows.U, arrows.V).max() / arrows.scale * width
     assert length == pytest.approx(0.85 * min(1.0, shear / 0.1), rel=1e-6)
     assert ("below the dead band" in plane.get_title(loc="left")) == (shear < 0.1)
+
+
+@pytest.mark.parametrize(("side", "squares"), [(8, 1), (32, 0), (64, 0)])
+def test_large_arrays_have_no_grid_and_few_arrows(side: int, squares: int) -> None:
+    plane = axis(drawn(pressed(side))[0], "y [mm]")
+    assert sum(isinstance(one, PatchCollection) for one in plane.collections) == squares
+    arrows = quiver(plane)
+    assert arrows.U.size <= 16**2
+    assert plane.get_title(loc="left").startswith(f"{side} x {side} taxels")
+
+
+def test_fingers_share_their_scales() -> None:
+    """Two fingers with forces of 1 N and 4 N: limits, colours and arrows are the same."""
+    arrays = tuple(TaxelArray(name, 2, 2, 1e-3, 0.0, quantity="force") for name in ("weak", "strong"))
+    values = np.ones((2, 2, 3))
+    frames = [Frame(n % 2, n / 200, n // 2, values * (4 if n % 2 else 1), np.ones((2, 2), bool)) for n in range(80)]
+    figure, _ = drawn(FrameStream("two", arrays, None, 80, frames))
+    for name in ("normal [N]\n", "shear [N]\n"):
+        one, other = (axis.get_ylim() for axis in figure.axes if axis.get_ylabel().startswith(name))
+        assert one == other
+    planes = [axis for axis in figure.axes if axis.get_ylabel() == "y [mm]"]
+    assert len({plane.images[0].get_clim() for plane in planes}) == 1
+    assert len({quiver(plane).scale for plane in planes}) == 1
+    assert [len(plane.artists) for plane in planes] == [1, 0]  # one key
 
 
 def test_events_are_bars_from_onset_to_end() -> None:
@@ -146,6 +183,20 @@ def test_a_run_without_frames_is_drawn(tmp_path: Path) -> None:
     run(source, Settings(backend="reference"), [collected])
     draw(collected, source.arrays, "zeros", tmp_path / "zeros.png")
     assert (tmp_path / "none.png").stat().st_size > 5_000
+
+
+@pytest.mark.parametrize(("rows", "cols", "names"), [(1, 3, ["x", "y: not known"]), (3, 1, ["x: not known", "y"])])
+def test_the_unknown_shear_of_one_row_or_column_is_marked(
+    tmp_path: Path, rows: int, cols: int, names: list[str]
+) -> None:
+    (tmp_path / "line.toml").write_text(
+        "title = 'line'\nrate_hz = 50\nduration_s = 0.5\n[cover]\nyoungs_modulus_mpa = 2.4\nquantity = 'stress'\n"
+        f"[[finger]]\nname = 'line'\nrows = {rows}\ncols = {cols}\npitch_mm = 1.5\ndepth_mm = 1.5\n"
+        "[[load]]\nfinger = 'line'\npath = [[0, 0, 0, 0.1, 0.1, 0.3], [0.5, 0, 0, 0.1, 0.1, 0.5]]\n"
+    )
+    figure, _ = drawn(open_source(tmp_path / "line.toml"))
+    legend = axis(figure, "shear").get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == names
 
 
 def test_simultaneous_loads_are_drawn_and_recorded(tmp_path: Path) -> None:
